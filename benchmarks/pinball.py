@@ -21,28 +21,31 @@ from typing import Any
 import numpy as np
 from rich.console import Console
 
+from .engines import CORNERS, HEIGHT, RADIUS, WIDTH, Hits, Program, in_billiards, in_box2d, in_pymunk, judged, pass_over
+from .engines import DISC as PASSED
 from .measure import Tell
 from .models import Array
 from .program import Missing, foreign
 from .table import show
 
-WIDTH, HEIGHT, RADIUS, ENERGY = 6.0, 10.0, 0.5, 12.0
+ENERGY = 12.0
 DISCS = (3, 8, 24)
 LAUNCHES, HITS = 64, 2000
 SOURCE = Path(__file__).parent / "peers" / "pinball.cpp"
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
 
-#: ``program(discs, share) -> collisions a second``.
-Program = Callable[[int, float], float]
-
 
 @dataclass(frozen=True)
 class Rate:
-    """Millions of collisions a second by the number of discs, the median of the rounds, or why there are none."""
+    """Millions of collisions a second by the number of discs, the median of the rounds, or why there are none.
+
+    ``passes`` says how many passes by a disc are missed, and how many are taken for impacts that are none.
+    """
 
     name: str
     rates: dict[int, float] = field(default_factory=dict)
     missing: str = ""
+    passes: str = ""
 
 
 def places(count: int) -> Array:
@@ -57,17 +60,17 @@ def places(count: int) -> Array:
     return np.array(found[:count])
 
 
-def table_of(count: int) -> Any:
-    """Return the table."""
+def table_of(centres: Array) -> Any:
+    """Return the table with discs there."""
     import grazing as gz
 
-    law, corners = gz.newton(1.0), [(0.0, 0.0), (WIDTH, 0.0), (WIDTH, HEIGHT), (0.0, HEIGHT)]
-    walls = [gz.segment(f"wall{i}", corners[i], corners[(i + 1) % 4], law) for i in range(4)]
-    discs = [gz.disc(f"disc{i}", place, RADIUS, law) for i, place in enumerate(places(count).tolist())]
+    law = gz.newton(1.0)
+    walls = [gz.segment(f"wall{i}", CORNERS[i], CORNERS[(i + 1) % 4], law) for i in range(4)]
+    discs = [gz.disc(f"disc{i}", place, RADIUS, law) for i, place in enumerate(centres.tolist())]
     return gz.table([*discs, *walls], tilt=0.5 * pi)
 
 
-def launches() -> Program:
+def launches() -> tuple[Program, Hits]:
     """Return the flights of :func:`grazing.launches`: no ball leaves the box."""
     import grazing as gz
 
@@ -75,29 +78,35 @@ def launches() -> Program:
     speed, angle = sqrt(2.0 * (ENERGY - y)), np.linspace(0.1, 6.1, LAUNCHES)
 
     def program(count: int, share: float) -> float:
-        table, hits = table_of(count), max(round(HITS * share), 1)
+        table, hits = table_of(places(count)), max(round(HITS * share), 1)
         before = process_time()
-        found = gz.launches(table, (0.2, y), angle, speed, hits=hits)
+        found = gz.launches(table, (0.2, y), angle, speed, hits=hits, threads=1)
         return float(found.hits.sum()) / (process_time() - before)
 
-    return program
+    table = table_of(np.array([PASSED]))
+
+    def hits(depth: float) -> bool:
+        state = pass_over(depth)
+        return bool((gz.trajectory(table, state, until=1.2, samples=2).impact_wall == "disc0").any())
+
+    return program, hits
 
 
-def collisions() -> Program:
+def collisions() -> tuple[Program, None]:
     """Return the map from impact to impact, as studies run it."""
     import grazing as gz
 
     def program(count: int, share: float) -> float:
-        P, steps = gz.collision_map(table_of(count)), max(round(HITS * share), 1)
+        P, steps = gz.collision_map(table_of(places(count))), max(round(HITS * share), 1)
         lanes = np.array([np.full(LAUNCHES, 0.1), np.linspace(-1.4, 1.4, LAUNCHES), np.full(LAUNCHES, 3.0)])
         before = process_time()
         P.run(lanes, steps, 0, arithmetic="fast")
         return LAUNCHES * steps / (process_time() - before)
 
-    return program
+    return program, None
 
 
-def plain() -> Program:
+def plain() -> tuple[Program, Hits]:
     """Return a loop for discs in a box alone, each disc marched to by itself."""
     import numba
 
@@ -168,10 +177,15 @@ def plain() -> Program:
             raise Missing("failed: the energy is not kept")
         return LAUNCHES * hits / spent
 
-    return program
+    def hits(depth: float) -> bool:
+        states = np.array([pass_over(depth)])
+        fly(states, np.array([PASSED]), 1)
+        return bool(abs(np.hypot(states[0, 0] - PASSED[0], states[0, 1] - PASSED[1]) - RADIUS) < 1e-9)
+
+    return program, hits
 
 
-def packed() -> Program:
+def packed() -> tuple[Program, None]:
     """Return the C++ program."""
     compiler = shutil.which("g++")
     if compiler is None:
@@ -187,27 +201,31 @@ def packed() -> Program:
         said = subprocess.run([str(file), str(count), work], check=True, capture_output=True, text=True).stdout
         return float(said.split()[0])
 
-    return program
+    return program, None
 
 
-PROGRAMS: dict[str, Callable[[], Program]] = {
+PROGRAMS: dict[str, Callable[[], tuple[Program, Hits | None]]] = {
     "grazing, launches": launches,
     "grazing, collision map": collisions,
     "plain numba loop, rounding not accounted for": plain,
     "C++, packed, rounding not accounted for": packed,
+    "pymunk, steps of 1e-3": in_pymunk,
+    "Box2D, a bullet, steps of 1e-3": in_box2d,
+    "billiards, no gravity": in_billiards,
 }
 
 
 def pinball(rounds: int, share: float, tell: Tell) -> list[Rate]:
     """Measure all programs."""
     ready: dict[str, Program] = {}
-    found = {}
+    found, passes = {}, {}
     for name, make in PROGRAMS.items():
         tell(f"making ready: {name}")
         try:
             with foreign():
-                ready[name] = make()
+                ready[name], hits = make()
                 ready[name](DISCS[0], 0.01)
+                passes[name] = "" if hits is None else judged(hits)
         except Missing as reason:
             ready.pop(name, None)
             found[name] = Rate(name, missing=str(reason))
@@ -218,12 +236,15 @@ def pinball(rounds: int, share: float, tell: Tell) -> list[Rate]:
                 tell(f"round {n + 1} of {rounds}: {name}, {count} discs")
                 rates.setdefault((name, count), []).append(ready[name](count, share))
     for name in ready:
-        found[name] = Rate(name, {count: median(rates[name, count]) / 1e6 for count in DISCS})
+        found[name] = Rate(name, {count: median(rates[name, count]) / 1e6 for count in DISCS}, passes=passes[name])
     return [found[name] for name in PROGRAMS]
 
 
 def show_pinball(out: Console, found: list[Rate]) -> None:
-    """Print millions of collisions a second."""
-    head = ("program", *(f"{count} discs" for count in DISCS))
-    lines = [(one.name, *(f"{one.rates[count]:.2f}" if one.rates else one.missing for count in DISCS)) for one in found]
+    """Print millions of collisions a second, and how many passes by a disc, 1e-3 to 1e-13 deep or clear, are wrong."""
+    head = ("program", *(f"{count} discs" for count in DISCS), "passes missed, made up")
+    lines = [
+        (one.name, *(f"{one.rates[count]:.3g}" if one.rates else one.missing for count in DISCS), one.passes or "-")
+        for one in found
+    ]
     show(out, "Pinball tables: millions of collisions a second and core", head, lines)

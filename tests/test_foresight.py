@@ -212,14 +212,13 @@ UNSIZED = {
     "active", "attractors", "certify", "check_certificate", "cite", "describe", "discontinuity_map", "enclose",
     "gap_map", "graph", "impact_map", "linearised_map", "load", "locus", "newton", "normal_form", "pinball", "reset",
     "in_units", "sample", "save", "spectrum", "stroboscopic_map", "to_csv", "to_dataframe", "to_parquet", "to_wav",
-    "arc", "collision_map", "disc", "drain", "flipper", "flips", "presses", "read_table", "segment", "table",
-    "triggered", "wall", "zdm", "zdm_points",
+    "arc", "collision_map", "disc", "drain", "flipper", "flips", "plunger", "presses", "read_table", "segment",
+    "strategy", "table", "triggered", "wall", "zdm", "zdm_points",
 }  # fmt: skip
 #: What only takes time, or is an upper limit that other things end before; such a run is stopped at once by Ctrl-C.
 PASSING = {
     ("basins", "preimages"), ("bifurcation_diagram", "period"), ("bifurcation_diagram", "points"),
     ("continuation", "limit"), ("continuation", "points"),
-    ("escape_rate", "steps"),
     ("density", "keep"), ("grazing_curve", "preimages"), ("ladder", "last"), ("lyapunov", "steps"),
     ("manifolds", "steps"), ("response", "period"), ("response", "points"), ("words", "impacts"),
 }  # fmt: skip

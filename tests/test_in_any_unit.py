@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.studies.cobweb import places_of
 
 
 def measured(L, T):
@@ -31,6 +32,27 @@ PLAIN = measured(1.0, 1.0)
 def test_studies_in_units_of_powers_of_two(a, b):
     for one, other in zip(PLAIN, measured(2.0**a, 2.0**b), strict=True):
         assert one.shape == other.shape and np.allclose(one, other, rtol=1e-9, atol=1e-9, equal_nan=True)
+
+
+def test_windows():
+    """Below 1e-14 units of force all edges were taken for one, and no window was found."""
+    found = []
+    for L, T in [(1.0, 1.0), (2.0**-50, 1.0), (2.0**-140, 1.0), (2.0**40, 2.0**45)]:
+        numbers = (3.0, 1.0, 2.2, 0.12, 0.0, 0.8, 0.4, None)
+        table = gz.windows(pushed(numbers, L, T), "offset", N=3)
+        found.append([table[edge].values * T**2 / L for edge in ("low", "high")])
+    assert found[0][0].shape == (1,) and np.allclose(found, found[0], rtol=1e-12, atol=0.0)
+
+
+def test_rungs_of_the_ladder_and_cobwebs():
+    """Steps of a parameter were at least 1e-12 long, and the graph of a cobweb reached down to -1e-12."""
+    found = []
+    for T in (1.0, 2.0**60):
+        model = pushed((3.0, 1.0, 2.2, 0.12, 0.0, 0.8, 0.4, None), 1.0, T)
+        found.append(gz.ladder(model, "omega", N=3, rungs=("lowest",)).error.values * T)
+    assert np.all(found[0][0] != 0.0) and np.allclose(found[0], found[1], rtol=1e-9, atol=0.0)
+    graph = places_of(np.array([-1.0, 0.5]) * 2.0**-100)
+    assert np.array_equal(graph, places_of(np.array([-1.0, 0.5])) * 2.0**-100)
 
 
 #: Of alpha, k, omega, offset, sigma, r, V and trigger in units, with one force: what is followed, whence and where to.

@@ -71,8 +71,30 @@ NAME_NO_SYSTEM = {
     "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
     "grazing.studies", "grazing.catalogue", "grazing.sweep", "grazing.plot", "grazing.cli",
 }  # fmt: skip
+# In these parts others still serve one system only, such as the closing equations of an oscillator's impacts.
+NAME_NO_SYSTEM |= {
+    f"grazing.{part}.{name}"
+    for part, names in {
+        "orbits": "adding_tree branch branch_search branch_table branch_windows corrector curves equations events "
+                  "even_equations finder gap_boundaries gap_orbits locus manifold manifold_growth manifold_steps "
+                  "map_equations one_sided orbit path periodic piece_end piece_equations point_equations "
+                  "search_map search_pieces search_steps search_windows special word",
+        "proof": "check expression gap gap_branch gap_chaos repeats search text",
+        "compare": "bifurcation_diagram edges orders search word_branches",
+        "config": "build check command files problems settings values",
+    }.items()
+    for name in names.split()
+}  # fmt: skip
+# What finds the orbits of one kind of maps is named by their origins, and by nobody here.
+FINDERS = {f"grazing.orbits.{name}" for name in ("gap_orbits", "search_bounces", "search_section", "search_steps")}
+ASK_FOR_A_FINDER = {"grazing.orbits.finder", "grazing.orbits.periodic"}
 # These still do: what they need is not asked of an origin yet.
 STILL_NAME_ONE = {"grazing.plot.curves", "grazing.studies.changes", "grazing.studies.runs"}
+# How many walls there are, and whether they move, is for the rig to say. Parts that ask it, and import neither class.
+SERVE_ALL_WALLS = {
+    "grazing.oscillator.walled": {"orbits", "proof", "studies", "catalogue", "compare", "sweep", "plot"},
+    "grazing.oscillator.model": {"proof"},
+}
 # Kernels live here. They call each other by bare name: behind a module's name neither the compiler nor the
 # hash of the disk cache can see a function. So these parts import functions from our modules, never a module.
 BARE_NAMES = {"kernel", "theory", "systems", "oscillator", "billiard", "maps"}
@@ -123,6 +145,10 @@ def complaint(importer: str, target: str, binds_module: bool) -> str | None:
         return f"{part} may not import {top}" if top in FORBIDDEN.get(part, ()) else None
     if target.startswith(SYSTEMS) and serves_all(importer):
         return f"{importer} serves every system: ask the origin of the map, not {target}"
+    if target in FINDERS and importer in ASK_FOR_A_FINDER:
+        return f"{importer} asks the origin of a map for its finder, and names none, such as {target}"
+    if part in SERVE_ALL_WALLS.get(target, ()):
+        return f"{importer} serves any number of walls: ask grazing.oscillator.rig, not {target}"
     other = part_of(target)
     if other not in RANK:
         return NO_LAYER.format(other)
@@ -312,6 +338,10 @@ def plant(source, texts):
         ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),
         ("maps/map", "from grazing.oscillator.model import O", "grazing.maps.map serves every system: ask the origin"),
         ("studies/chart", "def f():\n  from grazing.systems.contract import S", "grazing.studies.chart serves every"),
+        ("orbits/resting", "from grazing.oscillator.walled import W", "orbits.resting serves any number of walls: ask"),
+        ("proof/seen", "from grazing.oscillator.model import O", "proof.seen serves any number of walls: ask"),
+        ("orbits/branch", "from grazing.oscillator.rig import R", "grazing.orbits.branch serves every system: ask"),
+        ("orbits/periodic", "from grazing.orbits.search_section import S", "periodic asks the origin of a map for its"),
         ("novelty", "", "novelty has no layer yet"),
     ],
 )

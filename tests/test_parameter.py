@@ -112,3 +112,64 @@ def test_files_and_the_shell_take_one_value_for_all_walls():
         checked({**config, "parameters": given | {"r": 0.7, "A.r": 0.5}, "vary": {"cos1": "1:2:3"}})
     with pytest.raises(gz.InputError, match=r"B\.r: missing"):
         checked({**config, "parameters": given | {"A.r": 0.7}, "vary": {"cos1": "1:2:3"}})
+
+
+def masked(*values):
+    return np.ma.array(values, mask=[0] * (len(values) - 1) + [1])
+
+
+BALL, G = gz.pinball(d=0.12, V=0.4), gz.gap_map(lam=0.5, mu=0.1, l=0.2)
+NORMAL = gz.normal_form(BALL, "d")
+WITHOUT_ORDER_OR_MASKED = {
+    "state": lambda: gz.stroboscopic_map(BALL)(masked(0.1, 0.2)),
+    "start": lambda: gz.trajectory(BALL, masked(0.1, 0.2), until=1.0),
+    "ball": lambda: gz.read_table("one_bumper").trajectory(masked(0.3, 4.0, 0.0, 1.0), 0.0, 1.0, 3),
+    "values": lambda: gz.orbit_diagram(G, "mu", masked(0.1, 0.2), starts=2, transient=2, keep=2),
+    "starts": lambda: gz.orbit_diagram(G, "mu", [0.1], starts=masked(0.1, 0.2)[:, None], transient=2, keep=2),
+    "rows": lambda: G.run_columns(masked(0.5, 0.1, 0.2)[None], np.zeros((1, 1, 1)), 0, 2),
+    "lanes": lambda: G.run(masked(0.1, 0.2)[None], 0, 2),
+    "series": lambda: gz.zero_one(masked(*range(500))),
+    "samples": lambda: gz.Forcing.from_samples(masked(1.0, 0.0, -1.0, 0.0), omega=1.0, harmonics=1),
+    "mu": lambda: NORMAL.mu(masked(0.1, 0.2)),
+    "points": lambda: NORMAL.to_xy(masked(0.1, 0.2)),
+    "lam": lambda: gz.theory.mu_pd(3, masked(0.5, 0.9), 0.1),
+    "angle": lambda: gz.launches(gz.read_table("one_bumper"), (0.3, 4.0), masked(0.1, 0.2), 1.0),
+    "amplitudes": lambda: gz.Forcing(omega=1.0, cos={1.0, 2.0}),
+    "place": lambda: gz.disc("a", {0.0, 2.0}, 1.0, law=LAW),
+    "shard": lambda: gz.sweep.run(gz.plans.density(G, "mu", [0.1], starts=2), "none.zarr", shard={1, 2}),
+}
+
+
+@pytest.mark.parametrize("call", WITHOUT_ORDER_OR_MASKED.values(), ids=WITHOUT_ORDER_OR_MASKED)
+def test_masked_values_and_sets_are_no_lists_of_numbers(call):
+    """What a mask hides was computed with, and the numbers of a set became x and y in whatever order it gave them."""
+    with pytest.raises(gz.InputError):
+        call()
+
+
+ODD = [[1], {"a": 1}, np.array([0.1, 0.2]), np.array([]), {1, 2}, object(), b"x", 3.5]
+RECORDED, FLOWN = gz.sample(gz.trajectory(BALL, (0.1, 0.0), until=5.0), rate=20), gz.trajectory(BALL, (0.1, 0.0))
+NO_WORDS = {
+    "of": lambda odd: gz.spectrum(RECORDED, of=odd),
+    "of a sound": lambda odd: gz.to_wav(FLOWN, "none.wav", of=odd),
+    "arithmetic": lambda odd: G.run_columns([[0.5, 0.1, 0.2]], np.zeros((1, 1, 1)), 1, 1, arithmetic=odd),
+    "algorithm": lambda odd: G.run_columns([[0.5, 0.1, 0.2]], np.zeros((1, 1, 1)), 1, 1, algorithm=odd),
+    "records": lambda odd: G.run_columns([[0.5, 0.1, 0.2]], np.zeros((1, 1, 1)), 1, 1, records=odd),
+    "describe": BALL.describe,
+    "describe of a map": G.describe,
+    "describe of walls": rattle().describe,
+    "describe of a table": gz.read_table("one_bumper").describe,
+    "unit": BALL.unit_of,
+    "changes": lambda odd: BALL.changed({1: 1} if isinstance(odd, dict) else odd),
+    "kind": lambda odd: gz.sweep.cluster(odd).__enter__(),
+    "prepare": lambda odd: gz.Map(lambda x, p: (x[0] * p.a,), params={"a": 0.5}, prepare=odd),
+    "name": lambda odd: gz.Map(lambda x, p: (x[0] * p.a,), params={"a": 0.5}, name=odd),
+}
+
+
+@pytest.mark.parametrize("call", NO_WORDS.values(), ids=NO_WORDS)
+def test_what_is_no_word_is_named(call):
+    """Lists, arrays and numbers in the place of a word were unhashable, ambiguous or without an attribute."""
+    for odd in ODD:
+        with pytest.raises(gz.InputError):
+            call(odd)

@@ -145,6 +145,11 @@ def test_threads_must_be_a_whole_number(threads):
         run_tasks([noting([], 0)], threads)
 
 
+def test_a_progress_that_cannot_be_called_is_named():
+    with pytest.raises(InputError, match=r"progress is range\(0, 3\); give a function of two numbers"):
+        run_tasks([noting([], 0)], 1, range(3))
+
+
 def test_no_number_of_threads_is_one_per_processor(monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 3)
     meeting, met = threading.Barrier(3), []

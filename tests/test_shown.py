@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.orbits.branch import Piece
+from grazing.orbits.branch_search import Piece
 from grazing.orbits.locus import Meeting
 from grazing.orbits.periodic import Searched
 from grazing.orbits.special import Special

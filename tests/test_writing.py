@@ -1,14 +1,17 @@
 """Every file is written whole or not at all, by one writer."""
 
+import contextlib
 import os
 import resource
 import signal
+import socket
 import stat
 from pathlib import Path
 
 import pytest
 
 import grazing as gz
+from grazing.writing import whole_file
 from tests.sweep.test_disks import as_nobody
 from tests.writers import WRITERS
 
@@ -104,3 +107,41 @@ def test_a_device_is_not_replaced(tmp_path, ending, write):
     with pytest.raises(gz.InputError, match="is a device, which a file would replace"):
         write(device)
     assert stat.S_ISCHR(device.stat().st_mode) and [path.name for path in tmp_path.iterdir()] == [device.name]
+
+
+@posix
+@pytest.mark.parametrize("linked", [False, True])
+def test_a_pipe_or_a_socket_is_not_replaced(tmp_path, ending, write, linked):
+    """Whoever read from the pipe waited for ever."""
+    pipe, socket_, link = tmp_path / f"pipe{ending}", tmp_path / f"s{ending}", tmp_path / f"link{ending}"
+    os.mkfifo(pipe)
+    with socket.socket(socket.AF_UNIX) as bound, contextlib.chdir(tmp_path):  # their names are short
+        bound.bind(socket_.name)
+    for path, said in ((pipe, "pipe"), (socket_, "socket")):
+        link.symlink_to(path)
+        with pytest.raises(gz.InputError, match=f"is a {said}, which a file would replace"):
+            write(link if linked else path)
+        link.unlink()
+    assert stat.S_ISFIFO(pipe.stat().st_mode) and len(list(tmp_path.iterdir())) == 2
+
+
+@posix
+def test_what_a_killed_writer_left_is_removed_by_the_next(tmp_path, ending, write):
+    """It stayed for ever, wherever a result is saved; that of a writer who is still at work stays."""
+    read, at_work = os.pipe()
+    children = []
+    for name in ("killed", "at work"):
+        if not (child := os.fork()):
+            with whole_file(tmp_path / name) as part:
+                part.write_text(name)
+                os.write(at_work, b".")
+                signal.pause()
+        os.read(read, 1)
+        children.append(child)
+    os.kill(children[0], signal.SIGKILL)
+    os.waitpid(children[0], 0)
+    write(tmp_path / f"a{ending}")
+    left = [path.read_text() for path in tmp_path.glob(".*.partial")]
+    os.kill(children[1], signal.SIGKILL)
+    os.waitpid(children[1], 0)
+    assert left == ["at work"] and (tmp_path / f"a{ending}").stat().st_size

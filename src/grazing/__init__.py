@@ -4,7 +4,18 @@ Models are forced oscillators with an impact law; seen at a section they are map
 Importing this package imports none of numba, scipy, xarray or matplotlib: each name below is loaded when used.
 """
 
-from __future__ import annotations
+import os
+import sys
+
+if (
+    sys.argv[:1] == ["-m"]
+    and any(one.endswith("grazing") for one in sys.orig_argv)
+    and not sys.flags.safe_path
+    and sys.path[0] != os.path.dirname(os.path.dirname(__file__))
+):
+    del sys.path[
+        0
+    ]  # the folder that python -m grazing runs in: modules would be looked for among its files, and be run
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any
@@ -36,6 +47,8 @@ _PUBLIC = {
     "segment": "billiard.objects",
     "flips": "billiard.players",
     "presses": "billiard.players",
+    "plunger": "billiard.plunger",
+    "strategy": "billiard.strategy",
     "read_table": "config.tables",
     "table": "billiard.table",
     "Surface": "systems.contract",
@@ -125,6 +138,8 @@ if TYPE_CHECKING:
     from grazing.billiard.objects import segment as segment
     from grazing.billiard.players import flips as flips
     from grazing.billiard.players import presses as presses
+    from grazing.billiard.plunger import plunger as plunger
+    from grazing.billiard.strategy import strategy as strategy
     from grazing.billiard.table import table as table
     from grazing.citation import cite as cite
     from grazing.compare.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram

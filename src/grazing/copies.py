@@ -38,7 +38,7 @@ class ByValue:
 
 
 def _parts(value: Any) -> list[Any]:
-    """Return what an object consists of; what its class leaves out of comparisons holds nothing but compiled code."""
+    """Return what an object consists of; what its class leaves out of comparisons tells no more than the rest."""
     if is_dataclass(value):
         return [getattr(value, field.name) for field in fields(value) if field.compare]
     return [vars(value)] if hasattr(value, "__dict__") else []

@@ -154,7 +154,7 @@ def describe(outcome: int | Iterable[int]) -> str:
     except TypeError:
         raise InputError(f"outcome is {shown(outcome)}; give the integer, or integers, that a map returned") from None
     if not 0 <= bits < 2 * max(Outcome):
-        raise InputError(f"outcome is {bits}; allowed are sums of the flags of gz.Outcome")
+        raise InputError(f"outcome is {shown(bits)}; allowed are sums of the flags of gz.Outcome")
     outcome = bits
     said = [f"{flag.name}: {what}; {advice}" for flag, (what, advice) in _ADVICE.items() if outcome & flag]
     return ". ".join(said) or "ok"

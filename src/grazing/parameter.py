@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 from collections import namedtuple
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence, Set
 from dataclasses import dataclass
 from difflib import get_close_matches
-from functools import cache
+from functools import cache, lru_cache
 from itertools import islice
 from keyword import iskeyword
 from typing import Any
@@ -120,6 +120,7 @@ def checked_params(params: Any) -> dict[str, float]:
     return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
+@lru_cache(maxsize=4096)
 def _is_name(text: str) -> bool:
     return text.isidentifier() and not iskeyword(text) and not text.startswith("_")
 
@@ -130,6 +131,17 @@ def checked_coordinates(names: Any) -> tuple[str, ...]:
     if not given or isinstance(names, (str, bytes)) or not all(isinstance(name, str) and name for name in given):
         raise InputError(f"coordinates are {shown(names)}; give their names, such as ('x', 'y')")
     return given
+
+
+def in_order(values: Any) -> Any:
+    """Return several values whose order counts; raise TypeError for a set, which has none, and for masked values."""
+    if isinstance(values, (Set, Mapping)):
+        raise TypeError("a set has no order")
+    from numpy import ma  # not before: the command line starts without
+
+    if ma.is_masked(values):
+        raise TypeError("masked values are none")
+    return values
 
 
 def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
@@ -250,6 +262,13 @@ def value_of(name: str, params: Mapping[str, float]) -> float:
     return float(next(iter(found.values()), float("nan")))
 
 
+def checked_text(name: Any) -> str:
+    """Return what may be the name of a parameter or a coordinate, or raise InputError."""
+    if not isinstance(name, str):
+        raise InputError(f"name is {shown(name)}; give the name of a parameter or a coordinate, a text")
+    return name
+
+
 def checked_name(name: Any, names: Iterable[str], of: str) -> str:
     """Return the name of a parameter, or of several, see :func:`named_by`; raise InputError for anything else."""
     known = list(names)
@@ -260,6 +279,8 @@ def checked_name(name: Any, names: Iterable[str], of: str) -> str:
 
 def spread(changes: Mapping[str, Any], names: Iterable[str], of: str) -> dict[str, Any]:
     """Return changes by the names of parameters, refusing names that do not exist, and one that is changed twice."""
+    if not isinstance(changes, Mapping):
+        raise InputError(f"changes of {of} are {shown(changes)}; give a mapping of names to values")
     known, found = list(names), dict[str, Any]()
     for name, value in changes.items():
         for one in named_by(checked_name(name, known, of), known):

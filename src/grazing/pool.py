@@ -11,6 +11,7 @@ from typing import Any
 import numpy as np
 
 from grazing.kernel.random import mixed
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 
 #: Working precision of balls belongs to the process, not to the thread: who sets it holds this for so long.
@@ -24,6 +25,13 @@ Task = Callable[[], Iterator[None]]
 def workers_of(threads: int | None) -> int:
     """Return the number of threads that is meant; None is one per processor."""
     return (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
+
+
+def checked_progress(progress: Any) -> Any:
+    """Return what is called as work goes on, or raise InputError."""
+    if progress is not None and not callable(progress):
+        raise InputError(f"progress is {shown(progress)}; give a function of two numbers, progress(done, total)")
+    return progress
 
 
 def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progress | None = None) -> None:
@@ -44,9 +52,9 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
     Raises
     ------
     InputError
-        For threads that are not a whole number >= 1.
+        For threads that are not a whole number >= 1, or a progress that cannot be called.
     """
-    workers = workers_of(threads)
+    workers, progress = workers_of(threads), checked_progress(progress)
     order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64))) if len(tasks) > 1 else range(len(tasks))
     if workers == 1 or len(tasks) <= 1:
         for done, i in enumerate(order, start=1):

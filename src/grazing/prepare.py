@@ -22,7 +22,7 @@ from typing import TYPE_CHECKING, Any
 
 from grazing.kernel.disk import others_can_write
 from grazing.kernel.prepared import FAMILIES, folder, machines, own, stamp, used
-from grazing.writing import left_in, put
+from grazing.writing import put, remove_left
 
 if TYPE_CHECKING:
     import numpy as np
@@ -213,7 +213,8 @@ def prepared(family: str = "") -> int:
             kept.add(file.name)
             put(folder() / file.name, file.read_bytes(), RIGHTS)
     if not family:  # a wheel holds several families, a checkout what is right for it
-        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*"), *left_in(folder())):
+        remove_left(folder())
+        for file in (*folder().glob("*.nbc"), *folder().glob("stamp-*")):
             if file.name not in kept:
                 file.unlink(missing_ok=True)
     put(known, made_from.encode("ascii"), RIGHTS)

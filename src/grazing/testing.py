@@ -81,7 +81,7 @@ def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: in
     >>> gz.testing.check_model(gz.pinball(d=0.1), states=3)
     """
     checked_model(model)
-    check_motion(model, states, periods, seed)
+    check_motion(model, whole(states, "states", 1), whole(periods, "periods", 1), checked_seed(seed))
 
 
 def check_system(system: System, states: int = 8, seed: int = 0) -> None:

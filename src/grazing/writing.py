@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import os
 import re
+import socket
 import stat
 import tempfile
+import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -14,18 +16,27 @@ from uuid import uuid4
 from grazing.outcome import InputError
 from grazing.paths import path_of
 
-#: What is left of a file whose writer was killed.
-PARTIAL = re.compile(r"\.[0-9a-f]{32}\.partial")
-#: Seconds after which it is.
+try:
+    import fcntl
+except ImportError:  # pragma: no cover  (Windows: the age decides)
+    fcntl = None  # type: ignore[assignment]
+
+#: The name of a file before it is complete: of which machine, and which one.
+PARTIAL = re.compile(r"\.(?P<machine>[0-9a-f]{8})[0-9a-f]{24}\.partial")
+#: Seconds after which what has not changed was left, where no lock tells.
 OLD = 3600.0
-_EFFECTIVE = os.access in os.supports_effective_ids
+_NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL
+_FOUND = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
+#: Whether a file is asked for with the rights that this process has now.
+EFFECTIVE = os.access in os.supports_effective_ids
 
 
 @contextmanager
 def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     """Give another name beside a file, and that file's own once what is written there is complete and on the disk.
 
-    What is written has the rights of any new file. A link that has the name is replaced; what it leads to stays.
+    What is written has the rights of any new file. A link that has the name is replaced; what it leads to stays. What
+    killed processes left half written in the folder is removed.
 
     Raises
     ------
@@ -35,30 +46,28 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     target = path_of(path)
     if os.path.isdir(target):
         raise InputError(f"{target} is a folder; give the name of a file")
-    if is_device(target):
-        raise InputError(f"{target} is a device, which a file would replace; give the name of a file")
-    part = target.with_name(f".{uuid4().hex}.partial")
+    if kind := other_than_file(target):
+        raise InputError(f"{target} is a {kind}, which a file would replace; give the name of a file")
     try:
-        if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=_EFFECTIVE):
+        if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=EFFECTIVE):
             raise InputError(f"{target} is protected against writing; give another name")
-        yield part
-        with open(part, "rb+") as written:  # else a power cut can leave the name to nothing
-            os.fsync(written.fileno())
-        os.replace(part, target)
+        remove_left(target.parent)
+        with _part(target, 0o666) as part:
+            yield part
+            with open(part, "rb+") as written:  # else a power cut can leave the name to nothing
+                os.fsync(written.fileno())
+            os.replace(part, target)
     except OSError as error:
         raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
 
 
-def is_device(path: str | os.PathLike[str]) -> bool:
-    """Say whether a name is that of a device, such as /dev/null, which the user root could replace."""
+def other_than_file(path: str | os.PathLike[str]) -> str:
+    """Return what has a name, or what a link leads to, if it is neither a file nor a folder nor nothing."""
     try:
-        mode = os.lstat(path).st_mode
+        kind = stat.S_IFMT(os.stat(path).st_mode)
     except OSError:
-        return False
-    return stat.S_ISCHR(mode) or stat.S_ISBLK(mode)
+        return ""
+    return {stat.S_IFCHR: "device", stat.S_IFBLK: "device", stat.S_IFIFO: "pipe", stat.S_IFSOCK: "socket"}.get(kind, "")
 
 
 def put(file: Path, content: bytes, mode: int) -> None:
@@ -69,24 +78,52 @@ def put(file: Path, content: bytes, mode: int) -> None:
     OSError
         If it cannot be written.
     """
-    part = file.with_name(f".{uuid4().hex}.partial")
-    try:
-        with open(os.open(part, os.O_WRONLY | os.O_CREAT | os.O_EXCL | getattr(os, "O_BINARY", 0), mode), "wb") as new:
-            new.write(content)
+    with _part(file, mode) as part:
         part.chmod(mode)
+        part.write_bytes(content)
         part.replace(file)
+
+
+def remove_left(folder: Path) -> None:
+    """Remove the files in a folder that their writers have left half made, as far as they can be removed."""
+    with suppress(OSError):
+        for name in os.listdir(folder):
+            if found := PARTIAL.fullmatch(name):
+                with suppress(OSError):  # it has just got its name, or is another user's
+                    _remove_if_left(folder / name, found["machine"])
+
+
+@contextmanager
+def _part(file: Path, mode: int) -> Iterator[Path]:
+    """Give the name of a new file beside another one: locked while it is there, and gone afterwards."""
+    while True:
+        part = file.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
+        handle = os.open(part, _NEW, mode)
+        if fcntl is None:  # pragma: no cover
+            os.close(handle)  # what is open gets no other name there
+            break
+        _lock(handle, fcntl.LOCK_EX)
+        if os.fstat(handle).st_nlink:
+            break
+        os.close(handle)  # another process was faster than the lock, and has removed it
+    try:
+        yield part
     finally:
-        part.unlink(missing_ok=True)
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+        if fcntl is not None:
+            os.close(handle)
 
 
-def left_in(folder: Path) -> list[Path]:
-    """Return the files in a folder that their writers have left half made."""
-    found = []
-    for file in folder.glob(".*.partial"):
-        with suppress(OSError):  # it has just got its name
-            if PARTIAL.fullmatch(file.name) and is_left(file):
-                found.append(file)
-    return found
+def _remove_if_left(half: Path, machine: str) -> None:
+    """Remove what is half made, if nobody makes it any more: the lock of its writer ends with it, on one machine."""
+    handle = os.open(half, _FOUND)
+    try:
+        free = None if fcntl is None else _lock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        if (free and machine == _machine()) or (free is not False and is_left(half)):
+            half.unlink()
+    finally:
+        os.close(handle)
 
 
 def is_left(half: Path) -> bool:
@@ -97,3 +134,19 @@ def is_left(half: Path) -> bool:
     with tempfile.TemporaryFile(dir=half.parent) as probe:
         now = os.fstat(probe.fileno()).st_mtime
     return abs(now - half.lstat().st_mtime) > OLD
+
+
+def _lock(handle: int, how: int) -> bool | None:
+    """Lock a file: True if we have it now, False if another has it, None where the system cannot tell."""
+    try:
+        fcntl.flock(handle, how)
+    except BlockingIOError:
+        return False
+    except OSError:  # a file system without locks
+        return None
+    return True
+
+
+def _machine() -> str:
+    """Return what tells this machine from others that write to the same disk."""
+    return f"{zlib.crc32(socket.gethostname().encode()):08x}"

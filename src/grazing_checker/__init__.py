@@ -7,7 +7,11 @@ or is rejected.
 
 import sys
 
-if sys.argv[:1] == ["-m"] and "grazing_checker" in sys.orig_argv and not sys.flags.safe_path:
+if (
+    sys.argv[:1] == ["-m"]
+    and any(one.endswith("grazing_checker") for one in sys.orig_argv)  # also in -mgrazing_checker
+    and not sys.flags.safe_path
+):
     del sys.path[0]  # the folder that this runs in: packages would be looked for beside a certificate, and be run
 
 from grazing_checker.check import TRUSTED_BASE, check

@@ -5,7 +5,7 @@ from math import atan2
 import numpy as np
 
 import grazing as gz
-from grazing.maps.collisions import in_three, slopes
+from grazing.maps.collide import in_three, slopes
 from grazing.theory import Cycle
 from tests.billiard.tables import three_discs
 

@@ -10,7 +10,7 @@ import pytest
 import grazing as gz
 from grazing.billiard import flown as module
 from grazing.billiard.hit import spot
-from grazing.maps.collisions import velocity
+from grazing.maps.collide import velocity
 from tests.billiard.tables import ELASTIC, box, energy, layout, mixed, three_discs
 
 

@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.distance import crosses, distance
 from grazing.billiard.exact import exact_contact
-from grazing.billiard.table import crosses, distance
 from tests.billiard.tables import ELASTIC, box, mixed
 
 
@@ -126,6 +126,10 @@ def test_sizes_whose_fourth_powers_are_no_doubles_are_refused():
             gz.table([gz.disc("A", (3.0 * size, 0), size, ELASTIC)])
         with pytest.raises(gz.InputError, match=r"g sin\(tilt\) of the table"):
             gz.table([gz.disc("A", (3, 0), 1.0, ELASTIC)], g=size, tilt=1.0)
+    for tiny in (gz.disc("B", (6, 0), 1e-308, ELASTIC), gz.arc("B", (6, 0), 1e-308, 0.0, 2.0, ELASTIC)):
+        # one collision took exact arithmetic more than a minute
+        with pytest.raises(gz.InputError, match="the smallest radius of the table is 1e-308"):
+            gz.table([gz.disc("A", (3, 0), 1.0, ELASTIC), tiny])
     seen = []
     for L in (1e-55, 1.0, 1e55):  # and within the range all is the same
         table = gz.table([gz.disc("A", (3.0 * L, 4.1 * L), L, ELASTIC), *box(9.0 * L, 9.0 * L)])
@@ -158,3 +162,20 @@ def test_a_ball_at_rest_on_a_level_table_has_not_left_it(speed):
     (left,) = gz.launches(table, (0.0, 0.0), [0.0], [speed, 1.0]).exit.values.tolist()
     assert left == ["", ""]  # the other one stops at the disc
     assert gz.launches(table, (0.0, 0.0), [np.pi], [1.0]).exit.item() == "out"
+
+
+@pytest.mark.parametrize("side", [1.0, -1.0])
+@pytest.mark.parametrize("speed", [0.2, 0.3, 0.9])
+def test_a_slingshot_fires_where_the_normal_speed_reaches_its_trigger(side, speed):
+    """v+ = r v + V from the trigger on, r v below, from either side and at an end; what is along the band stays."""
+    sling = gz.segment("sling", (1.0, 1.0), (3.0, 2.0), gz.triggered(r=0.6, V=2.0, trigger=0.3))
+    table = gz.table([sling], rho=0.1)
+    along, normal = np.array([2.0, 1.0]) / np.sqrt(5.0), side * np.array([-1.0, 2.0]) / np.sqrt(5.0)
+    kicked = 0.6 * speed + (2.0 if speed >= 0.3 else 0.0)
+    for centre, n, t in ((np.array([2.0, 1.5]), normal, along), (np.array([3.0, 2.0]), along, normal)):
+        v = 0.25 * t - speed * (1.0 + 1e-12) * n
+        start = centre + 0.1 * n - 0.5 * v
+        flown = gz.trajectory(table, (*start, *v), until=2.0)
+        assert flown.impact_wall.values.tolist() == ["sling"]
+        left = np.array([flown.vx.values[-1], flown.vy.values[-1]])
+        np.testing.assert_allclose((left @ n, left @ t), (kicked, 0.25), rtol=0, atol=1e-9)

@@ -76,6 +76,15 @@ def test_an_interrupt_in_code_that_python_was_given_as_text_ends_with_its_exit_c
     assert done.returncode == 130 and "stopped: interrupted" in done.stderr
 
 
+def test_an_interrupt_while_packages_are_imported_is_no_traceback(tmp_path):
+    (tmp_path / "cyclopts.py").write_text("raise KeyboardInterrupt")
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys; from grazing.__main__ import main; sys.exit(main())"],
+        cwd=tmp_path, env=settings(), capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
+
+
 # ---- streams
 
 
@@ -184,15 +193,18 @@ def test_no_terminal_gets_plain_lines():
     assert "\x1b" not in done.stderr + done.stdout
 
 
-def test_a_file_beside_that_is_called_as_a_package_is_not_run(tmp_path):
+@pytest.mark.parametrize("called", [["-m", "grazing"], ["-mgrazing"]])
+def test_a_file_beside_that_is_called_as_a_package_is_not_run(tmp_path, called):
     """Python looks for packages in the folder where -m was said: a file there was run by whatever only reads."""
-    for name in ("numpy", "html", "tomllib", "cyclopts", "json", "shlex"):
+    for name in ("numpy", "html", "tomllib", "cyclopts", "json", "shlex", "typing", "re", "enum", "pathlib", "urllib"):
         (tmp_path / f"{name}.py").write_text("open('ran', 'a').write(__name__)\nraise SystemExit(7)\n")
     (tmp_path / "a.toml").write_text('study = "diagram"\nvary.d = "0:1:3"\n')
     env = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"} | {"PYTHONPATH": str(SOURCE)}
-    asked = [sys.executable, "-m", "grazing", "info", "a.toml"]
-    found = subprocess.run(asked, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=60)
+    asked = [sys.executable, *called]
+    found = subprocess.run(
+        [*asked, "info", "a.toml"], cwd=tmp_path, env=env, capture_output=True, text=True, timeout=60
+    )
     assert not (tmp_path / "ran").exists() and found.returncode == 0, found.stderr
     assert found.stdout.startswith("a.toml: configuration")
-    at_home = subprocess.run([*asked[:3], "--version"], cwd=SOURCE, env=env, capture_output=True, timeout=60)
+    at_home = subprocess.run([*asked, "--version"], cwd=SOURCE, env=env, capture_output=True, timeout=60)
     assert at_home.returncode == 0

@@ -253,3 +253,10 @@ def test_a_neutral_motion_is_named_and_not_taken_for_one_that_has_not_settled():
     (row,) = np.flatnonzero(result.disagreement_word.values == "0")
     assert result.disagreement_kind.values[row] == "not followed"
     assert result.disagreement_reason.values[row].startswith("it is neutral, one of a continuum of orbits")
+
+
+def test_between_walls_too_it_is_seen_where_its_branches_are():
+    law = gz.newton(0.8)
+    pair = gz.Oscillator(0.1, 1.0, gz.Forcing(omega=0.8), walls=(gz.wall(-0.5, law), gz.wall(0.5, law)))
+    with pytest.raises(gz.InputError, match="points of its stroboscopic map at phase 0"):
+        gz.bifurcation_diagram(gz.stroboscopic_map(pair, phase=0.7), "omega", [0.7, 0.8])

@@ -29,7 +29,7 @@ CONFIGS = [
     GAP,
     {**GAP, "parameters": {"lam": -0.5, "l": 0.1}, "settings": {"starts": [[0.1]], "keep": 4, "arithmetic": "strict"}},
     {**GAP, "settings": {"box": [[-0.5, 0.25]], "starts": 3, "seed": 5, "sweep": "down"}},
-    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {**BALL, "V": 0.4, "cos": [1.0, 0.1, 0.05]}},
+    {"study": "diagram", "vary": {"d": [0.1, 0.13, 0.11]}, "parameters": {**BALL, "V": 0.4, "cos": [1.0, 0.1]}},
     {"study": "diagram", "map": "discontinuity", "order": "full", "law": "newton", "vary": {"r": "0.5:0.9:3"},
      "parameters": {**BALL, "d": 0.12}},
     {"study": "diagram", "map": "normal-form", "vary": {"mu": "0:0.1:3"}, "parameters": {"V": 0.2}},

@@ -37,6 +37,8 @@ def test_a_file_says_all_that_calls_say(tmp_path):
     assert read(tmp_path, GOOD) == gz.table(objects, 0.1, tilt=0.3)
     flips = "[flips]\nperiod = 2.0\nhold = 0.3\nphase = { L = 0.4 }\n"
     assert read(tmp_path, GOOD + flips) == gz.table(objects, 0.1, tilt=0.3, player=gz.flips(2.0, 0.3, 0.4))
+    shot = "[plunger]\nx = 0\ny = 3.0\nangle = 1.5\nslow = 0\nfast = 2.0\n"
+    assert read(tmp_path, GOOD + shot) == gz.table(objects, 0.1, tilt=0.3, plunger=gz.plunger((0, 3), 1.5, 0.0, 2.0))
     presses = "[presses]\nL = [0.5, 0.75, 2]\n"
     assert read(tmp_path, GOOD + presses) == gz.table(objects, 0.1, tilt=0.3, player=gz.presses(L=[0.5, 0.75, 2.0]))
 
@@ -44,7 +46,7 @@ def test_a_file_says_all_that_calls_say(tmp_path):
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
-        ("rho = 0.1", "size = 0.1", "has 'size'; allowed are objects, rho, g, tilt, flips, presses"),
+        ("rho = 0.1", "size = 0.1", "has 'size'; allowed are objects, rho, g, tilt, flips, presses, plunger"),
         ("rho = 0.1", "rho = -0.1", r"rho = -0\.1; allowed is rho >= 0"),
         ("[objects]", "[things]", "has 'things'; allowed are objects"),
         ('kind = "disc"', 'kind = "post"', r"objects\.A\.kind = 'post'; allowed are disc, segment"),
@@ -74,6 +76,8 @@ def test_wrong_files_are_refused_with_the_place(tmp_path, old, new, said):
         ("x = ", "is not TOML"),
         (GOOD + "[flips]\nperiod = 2.0\n", "flips has no hold; it needs period, hold"),
         (GOOD + "[flips]\nperiod = 2.0\nhold = 0.1\n[presses]\nL = [1.0]\n", "has flips, presses; give one"),
+        ("plunger = 3" + GOOD, "plunger is 3; give a table of keys and values"),
+        ("plunger = { x = 0, y = 3 }" + GOOD, "plunger has no angle; it needs x, y, angle, slow, fast"),
         ("flips = 3" + GOOD, "flips is 3; give a table of keys and values"),
         ("presses = 3" + GOOD, "presses is 3; give the times of each flipper"),
         (GOOD + "[presses]\nM = [1.0]\n", "presses names 'M', which is no flipper"),
@@ -119,8 +123,8 @@ def test_classic_is_a_pinball_machine():
     table = gz.read_table("classic")
     kinds = [one.kind for one in table.objects]
     assert kinds.count(DISC) == 5 and kinds.count(FLIPPER) == 2
-    speeds, point = np.linspace(13.0, 24.0, 400), (5.275, 0.7)
-    found = gz.launches(table, point, np.pi / 2, speeds)
+    speeds, point = np.linspace(13.0, 24.0, 400), (table.plunger.x, table.plunger.y)
+    found = gz.launches(table, speed=speeds)
     assert (found.exit.values == "").mean() < 0.02
     assert {"left_out", "out", "right_out"} <= set(found.exit.values.ravel())
     hit = [set(gz.trajectory(table, (*point, 0.0, speed), until=60.0).impact_wall.values) for speed in speeds[::10]]

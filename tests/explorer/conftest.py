@@ -49,9 +49,15 @@ def browser():
 
 
 @pytest.fixture
-def shown(browser):
+def motion():
+    """Whether the reader wants things to move: where nobody looks, a ball's flight is a third of the work."""
+    return "no-preference"
+
+
+@pytest.fixture
+def shown(browser, motion):
     """A page of its own, in which nothing may go wrong unseen."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800})
+    context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion=motion)
     context.grant_permissions(["clipboard-read", "clipboard-write"])
     page = Shown(context.new_page())
     yield page

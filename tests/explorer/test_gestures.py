@@ -224,7 +224,7 @@ def in_python(u, v, times):
 
 @pytest.mark.parametrize("canvas", ["phase", "strip"])
 def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&V=0.4")
     quiet = shown.pixels(canvas)
     start, end = place(shown, canvas, 0.5, 0.4), place(shown, canvas, 0.5, 0.6)
     shown.page.mouse.move(*start)
@@ -253,7 +253,7 @@ def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
 
 @pytest.mark.parametrize("canvas", ["phase", "strip"])
 def test_keys_aim_and_throw(shown, address, canvas):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&V=0.4")
     shown.page.focus(f"#{canvas}")
     shown.page.keyboard.press("ArrowUp")
     first = preview(shown)
@@ -271,7 +271,7 @@ def test_keys_aim_and_throw(shown, address, canvas):
 
 
 def test_a_finger_takes_the_ball_and_scrolls_elsewhere(phone, address):
-    phone.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    phone.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&V=0.4")
     phone.page.click("#play")  # it stands still
     box = phone.page.locator("#strip").bounding_box()
     x, y = phone.page.evaluate("() => explorer.views.ball.strip.ball")
@@ -354,7 +354,7 @@ def slider(shown, name):
 
 
 def test_fine_steps_by_key_and_by_dragging_up(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12")
+    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
     knob = slider(shown, "offset")
     step = float(knob.get_attribute("step"))
     knob.focus()
@@ -362,7 +362,7 @@ def test_fine_steps_by_key_and_by_dragging_up(shown, address):
     shown.until(f"() => Math.abs(explorer.state().offset - {0.12 + 10 * step}) < 1e-9")
     shown.page.keyboard.press("Shift+ArrowRight")
     shown.until(f"() => Math.abs(explorer.state().offset - {0.12 + 11 * step}) < 1e-9")
-    shown.open(f"{address}#version=1&view=ball&offset=0.12")
+    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
     knob.scroll_into_view_if_needed()
     box = knob.bounding_box()
     share = (0.12 - 0.05) / (0.16 - 0.05)
@@ -382,7 +382,7 @@ def test_fine_steps_by_key_and_by_dragging_up(shown, address):
 
 
 def test_a_finger_moves_a_slider_and_goes_on_in_fine_steps(phone, address):
-    phone.open(f"{address}#version=1&view=ball&offset=0.12")
+    phone.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
     knob = slider(phone, "offset")
     knob.scroll_into_view_if_needed()
     box, step = knob.bounding_box(), float(knob.get_attribute("step"))

@@ -255,10 +255,10 @@ def test_fields_that_are_seen_have_names_of_their_own(shown, address):
 
 
 def test_the_tour_keeps_the_focus_and_ends_with_its_view(shown, address):
-    shown.open(f"{address}#version=1&view=gap&tour=8&columns=8&bins=8")
+    shown.open(f"{address}#version=1&view=ball&tour=10")
     shown.page.focus("#next")
     shown.page.keyboard.press("Enter")
-    shown.until("() => explorer.state().tour === 9 && document.activeElement.id === 'back'")
+    shown.until("() => explorer.state().tour === 11 && document.activeElement.id === 'back'")
     shown.page.click("[data-view=ball]")
     shown.until("() => explorer.state().view === 'ball' && document.getElementById('guide').hidden")
     assert state(shown, "tour") == 0

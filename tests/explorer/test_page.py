@@ -22,6 +22,11 @@ PAGE = FOLDER / "page"
 HEAVIEST = 765_000
 
 
+@pytest.fixture
+def motion():
+    return "reduce"
+
+
 def text_of(name):
     return (PAGE / name).read_text(encoding="utf-8")
 
@@ -146,8 +151,8 @@ def test_the_command_makes_the_same_raster(shown, address, view, tmp_path):
 
 
 def test_no_request_leaves_the_host(shown, address):
-    for view in ("gap", "oscillator&columns=20", "ball", "chart&chart_columns=20"):
-        shown.open(f"{address}#version=1&view={view}")
+    for view in ("gap", "oscillator", "ball", "chart"):
+        shown.open(f"{address}#version=1&view={view}&columns=20&chart_columns=20")
         shown.page.reload()
         shown.settle()
     assert shown.asked and all(url.startswith((address.removesuffix("page/"), "data:")) for url in shown.asked)
@@ -214,15 +219,15 @@ def test_a_link_round_trip(shown, address):
 @pytest.mark.parametrize(
     ("fragment", "said"),
     [
-        ("version=1&view=nowhere", "view=nowhere; allowed are ball, oscillator, gap, edges, chart, strobe"),
+        ("version=1&view=nowhere&columns=20", "view=nowhere; allowed are ball, oscillator, gap, edges, chart, strobe"),
         ("version=7&view=gap", "the link has version 7; this page reads version 1"),
         ("view=gap&lam=0.5", "the link does not say its version"),
-        ("version=1&view=gap&lam=much", "lam=much is not a number"),
+        ("version=1&view=gap&lam=much&columns=20", "lam=much is not a number"),
         ("version=1&view=oscillator&r=1.5&columns=20", "r = 1.5; allowed is r ≥ 0 and r ≤ 1"),
         ("version=1&view=oscillator&omega=0&columns=20", "omega = 0; allowed is omega > 0"),
         ("version=1&view=gap&columns=1e9", "columns=1e9; allowed is a whole number from 2 to 4000"),
-        ("version=1&view=gap&span=0.5:0.1", "span=0.5:0.1; give low:high with low < high"),
-        ("version=1&%E0%A4%A&&=&colour=perhaps", "colour=perhaps; allowed are yes, no"),
+        ("version=1&view=gap&span=0.5:0.1&columns=20", "span=0.5:0.1; give low:high with low < high"),
+        ("version=1&%E0%A4%A&&=&colour=perhaps&columns=20", "colour=perhaps; allowed are yes, no"),
     ],
 )
 def test_a_mangled_link_is_explained_and_a_picture_shown(shown, address, fragment, said):
@@ -265,7 +270,7 @@ def test_words_of_what_is_shown(shown, address):
     shown.open(f"{address}#version=1&view=gap&lam=0.8&l=1&mu=0.5&columns=20")
     said = shown.page.inner_text("#summary")
     assert "period-3 orbit, word LLR, multiplier −0.632317" in said and "−1.006075" in said
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&columns=20")
     assert "period-3 orbit, one impact, word 001" in shown.page.inner_text("#summary")
 
 
@@ -281,8 +286,9 @@ def test_the_normal_form_of_the_oscillator(shown, address):
     shown.until("() => document.getElementById('reduced-figure').hidden")
 
 
+@pytest.mark.parametrize("motion", ["no-preference"])
 def test_the_ball_moves_pauses_and_steps_from_impact_to_impact(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&columns=20")
     ball = "explorer.views.ball"
     shown.until(f"() => {ball}.now > 1")
     shown.page.click("#play")
@@ -327,7 +333,7 @@ def test_a_phone_shows_all_of_its_width(browser, address, scheme):
     context = browser.new_context(viewport={"width": 375, "height": 700}, color_scheme=scheme)
     page = Shown(context.new_page())
     for view in ("gap", "edges", "oscillator", "ball", "chart", "strobe"):
-        page.open(f"{address}#version=1&view={view}&columns=30")
+        page.open(f"{address}#version=1&view={view}&columns=30&chart_columns=30")
         page.page.reload()
         page.settle()
         assert page.page.evaluate("() => document.documentElement.scrollWidth") <= 375
@@ -359,33 +365,12 @@ def test_a_picture_is_saved(shown, address, tmp_path):
 
 
 def test_the_program_of_the_ball_flies_the_same_orbit(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&columns=20")
     known = {}
     exec(shown.page.evaluate("() => explorer.texts().python").replace("gz.plot.save", "(lambda *_: None)"), known)
     hits = shown.page.evaluate("() => explorer.views.ball.attractor.hits.map(h => [h.before, h.after])")
     found = known["result"]
     np.testing.assert_array_equal(np.array(hits).T, [found["v_minus"], found["v_plus"]])
-
-
-def test_the_tour(shown, address):
-    shown.open(address)
-    steps = len(re.findall(r"^    title:", text_of("tour.js"), re.MULTILINE))
-    assert steps >= 8
-    shown.page.click("#tour")
-    seen = set()
-    for n in range(1, steps + 1):
-        shown.until(f"() => location.hash.includes('tour={n}')")
-        shown.settle()
-        seen.add(shown.page.inner_text("#guide"))
-        assert shown.problem() == ""
-        if n == 5:
-            said = shown.page.inner_text("#summary")
-            assert "period-3 orbit" in said and "period-4 orbit" in said
-        if n < steps:
-            shown.page.click("#next")
-    assert len(seen) == steps and shown.page.is_disabled("#next")
-    shown.page.click("#leave")
-    shown.until("() => document.getElementById('guide').hidden && !location.hash.includes('tour')")
 
 
 AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_modules/axe-core/axe.min.js")
@@ -396,7 +381,8 @@ AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_mo
 @pytest.mark.parametrize(
     "view",
     [
-        "gap&tour=7&web=5",
+        "gap&tour=7&web=5&note=x",
+        "gap&tour=8&answer=1",
         "oscillator&columns=20",
         "ball",
         "ball&twin=yes&sweeps=yes&offset=0.1225",

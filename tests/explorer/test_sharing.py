@@ -72,7 +72,7 @@ def test_a_single_file_works_from_the_disk(browser, single):
     assert single.stat().st_size < HEAVIEST
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     shown = Shown(context.new_page())
-    shown.open(f"{single.as_uri()}#version=1&view=ball&offset=0.12")
+    shown.open(f"{single.as_uri()}#version=1&view=ball&columns=20&offset=0.12")
     assert shown.problem() == ""  # workers were started
     assert "It hits once in three pushes: 001." in shown.page.inner_text(".lead")
     shown.page.click("[data-view=gap]")

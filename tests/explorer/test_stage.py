@@ -6,13 +6,13 @@ from tests.explorer.browser import Shown
 from tests.explorer.test_page import AXE
 
 VIEWS = {
-    "ball": "view=ball&offset=0.1225&twin=yes",
+    "ball": "view=ball&offset=0.1225&twin=yes&columns=60",
     "gap": "view=gap&columns=60&web=4",
     "oscillator": "view=oscillator&columns=30&bins=40",
     "chart": "view=chart&chart_columns=20&chart_rows=16",
     "strobe": "view=strobe",
     "edges": "view=edges",
-    "tour": "view=ball&tour=2&offset=0.1305",
+    "tour": "view=ball&tour=2&offset=0.1305&columns=60",
 }
 #: What can be read of the page: the least size of a letter, and whose it is.
 SMALLEST = """() => {
@@ -85,7 +85,7 @@ def test_before_a_room_nothing_is_smaller_than_24_pixels(browser, address, view)
 
 
 def test_it_begins_and_ends_by_key_and_button(shown, address):
-    shown.open(f"{address}#version=1&view=ball")
+    shown.open(f"{address}#version=1&view=ball&columns=60")
     before = shown.pixels("strip")
     shown.page.click("#present")
     assert presenting(shown) and shown.page.is_hidden("nav") and shown.page.is_visible("#end")
@@ -175,7 +175,7 @@ def test_all_sliders_of_the_opening_are_seen_without_scrolling(browser, address)
 
 
 def test_a_slider_is_named_in_words_and_by_its_symbol(shown, address):
-    shown.open(f"{address}#version=1&view=ball")
+    shown.open(f"{address}#version=1&view=ball&columns=60")
     names = shown.page.evaluate(
         "() => [...document.querySelectorAll('#oscillator-sliders .control[data-name] label')].map(e => e.textContent)"
     )

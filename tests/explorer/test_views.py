@@ -21,7 +21,7 @@ SCENES = {
     "gap": "view=gap&columns=200&bins=150",
     "edges": "view=edges&lam=0.9&span=0:1&l=0.7&mu=0.42",
     "oscillator": "view=oscillator&columns=60&bins=90",
-    "ball": "view=ball&ball=0.3:-0.1:0.7",
+    "ball": "view=ball&ball=0.3:-0.1:0.7&columns=60",
     "chart": "view=chart&chart_columns=40&chart_rows=30",
     "basins": "view=chart&chart=basins&offset=0.1225&chart_columns=24&chart_rows=20&ball=0.2:0.1:0",
     "strobe": SHALLOW,
@@ -33,6 +33,15 @@ ZOOMED = {
     "basins": ("chart", ["positions", "velocities"]),
     "strobe": ("strobe", ["line"]),
 }
+
+
+#: For tests that watch the ball fly: in the others nothing moves by itself.
+FLYING = pytest.mark.parametrize("motion", ["no-preference"])
+
+
+@pytest.fixture
+def motion():
+    return "reduce"
 
 
 def known(page):
@@ -197,7 +206,7 @@ def test_the_diagram_of_a_figure_is_that_of_python(shown, address, presets, numb
 @pytest.mark.parametrize("number", ["1.2", "1.5"])
 def test_the_phase_portrait_of_a_figure(shown, address, presets, run, number):
     cycle, flight = (figure(number).compute(run)[key] for key in ("cycle", "flight"))
-    opened(shown, address, presets[number])
+    opened(shown, address, presets[number], columns=20)
     seen = shown.page.evaluate(
         "() => { const b = explorer.views.ball; "
         "return [b.classes[0].period, b.classes[0].points, b.attractor.hits.map(h => [h.before, h.after])]; }"
@@ -371,8 +380,9 @@ def hits(shown):
     return shown.page.evaluate("() => { const b = explorer.views.ball; return b.flash.map(h => [h.before, h.after]); }")
 
 
+@FLYING
 def test_a_thrown_ball_is_in_the_link_and_flies_as_in_python(shown, address, tmp_path):
-    shown.open(f"{address}#version=1&view=ball&phase=0.4&alpha=1")
+    shown.open(f"{address}#version=1&view=ball&phase=0.4&alpha=1&columns=20")
     box = shown.page.locator("#phase").bounding_box()
     shown.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"])
     shown.until("() => location.hash.includes('ball=')")
@@ -398,8 +408,9 @@ def test_a_thrown_ball_is_in_the_link_and_flies_as_in_python(shown, address, tmp
     np.testing.assert_array_equal(gz.load(tmp_path / "ball.nc")["v_minus"], flown["v_minus"])
 
 
+@FLYING
 def test_a_link_begins_where_the_ball_is(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&ball=0.2:0.1:0.25")
+    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&ball=0.2:0.1:0.25&columns=20")
     shown.page.click("#step")
     shown.page.click("#step")
     here = shown.page.evaluate("() => explorer.views.ball.trail.at(-1)")
@@ -415,8 +426,9 @@ def test_a_link_begins_where_the_ball_is(shown, address):
     shown.until("() => !location.hash.includes('ball=')")
 
 
+@FLYING
 def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
-    shown.open(f"{address}#version=1&view=ball&ball=1.5:1:0")
+    shown.open(f"{address}#version=1&view=ball&ball=1.5:1:0&columns=20")
     x0, x1, y0, y1 = shown.page.evaluate(
         "() => { const a = explorer.views.ball.axes; return [a.x0, a.x1, a.y0, a.y1]; }"
     )
@@ -429,7 +441,7 @@ def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
 
 
 def test_a_state_of_the_basins_is_thrown(shown, address):
-    shown.open(f"{address}#version=1&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20")
+    shown.open(f"{address}#version=1&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20&columns=20")
     box = shown.page.locator("#chart").bounding_box()
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.3 * box["height"])
     shown.until("() => location.hash.includes('ball=')")
@@ -518,7 +530,7 @@ def test_a_click_in_one_period_chooses_the_start(shown, address):
     ],
 )
 def test_what_cannot_be_shown_is_explained(shown, address, fragment, said):
-    shown.page.goto(f"{address}#version=1&{fragment}")
+    shown.page.goto(f"{address}#version=1&{fragment}&columns=20")
     shown.until("() => !document.getElementById('problem').hidden")
     assert said in shown.problem()
     shown.page.click("[data-view=gap]")

@@ -86,6 +86,12 @@ def soft(v, p):
 
 
 TABLE = gz.table([gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5)), gz.drain("out", (-9, -1), (9, -1))], rho=0.1, tilt=0.3)
+
+
+def never(state, p):
+    return False
+
+
 FLIPPER = gz.flipper("L", (1.2, 1.0), 1.4, (0.2, 0.1), -0.5, 0.6, gz.newton(0.5), up=14.0, down=9.0)
 OPEN = gz.collision_map(
     gz.table([gz.disc(name, (x, 3.0), 1.0, gz.newton(1.0)) for name, x in (("A", 3.0), ("B", 6.0), ("C", 9.0))])
@@ -129,6 +135,8 @@ def calls():
         ),
         "flips": dict(period=2.0, hold=0.3, phase={"L": 0.5}),
         "presses": dict(L=[0.4, 0.7]),
+        "strategy": dict(flip=never, gates={"L": ((0.0, 1.0), (1.0, 1.0))}, hold=0.2),
+        "plunger": dict(point=(0.5, 0.0), angle=1.5, slow=0.0, fast=2.0),
         "read_table": dict(source="one_bumper"),
         "table": dict(objects=[gz.disc("A", (0.0, 2.0), 0.5, gz.newton(0.5))], rho=0.1, g=1.0, tilt=0.3),
         "table, flipper": dict(objects=[FLIPPER], rho=0.1, g=1.0, tilt=0.3, player=gz.flips(2.0, 0.3)),

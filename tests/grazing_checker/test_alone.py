@@ -3,6 +3,7 @@
 import ast
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -88,17 +89,21 @@ def test_a_copy_of_the_folder_checks_every_kind_with_nothing_but_python_flint(al
     assert not modules & {"grazing", "numpy", "scipy", "numba", "mpmath", "site"}
 
 
-@pytest.mark.parametrize("copied", [False, True], ids=["installed", "a copy beside"])
-def test_a_file_beside_a_certificate_is_not_run(tmp_path, copied):
+@pytest.mark.parametrize(
+    ("copied", "called"),
+    [(False, ["-m", "grazing_checker"]), (True, ["-m", "grazing_checker"]), (True, ["-Bmgrazing_checker"])],
+    ids=["installed", "a copy beside", "in one word"],
+)
+def test_a_file_beside_a_certificate_is_not_run(tmp_path, copied, called):
     """Python looks for packages in the folder where -m was said: a flint.py there was run by who checked a proof."""
-    for name in ("flint", "json", "hashlib", "fractions"):
+    for name in ("flint", "json", "hashlib", "fractions", "re", "pathlib", "typing"):
         (tmp_path / f"{name}.py").write_text("open('ran', 'a').write(__name__)\nraise SystemExit(7)\n")
     (tmp_path / "free.json").write_text(json.dumps(documents()["free"]))
     if copied:
         shutil.copytree(FOLDER, tmp_path / "grazing_checker", ignore=shutil.ignore_patterns("__pycache__"))
     env = {name: value for name, value in os.environ.items() if name not in ("PYTHONSAFEPATH", "PYTHONPATH")}
     env |= {} if copied else {"PYTHONPATH": str(FOLDER.parent)}
-    asked = [sys.executable, "-m", "grazing_checker", "free.json"]
+    asked = [sys.executable, *called, "free.json"]
     found = subprocess.run(asked, cwd=tmp_path, env=env, capture_output=True, text=True, timeout=60)
     assert not (tmp_path / "ran").exists() and found.returncode == 0, found.stderr
     assert found.stdout.startswith("free.json: For the oscillator")
@@ -142,3 +147,10 @@ def test_an_output_that_cannot_be_written_is_no_traceback_and_no_success(tmp_pat
         running.stdout.close()  # before anything is printed
         assert running.stderr.read() == b""
     assert running.returncode == 1
+
+
+def test_the_referee_is_told_of_every_file_that_proves():
+    """The tables of what is proven where were those of the checker before there were tables of a ball."""
+    page = (FOLDER.parents[1] / "docs" / "referee.md").read_text(encoding="utf-8")
+    aside = {"__init__", "__main__", "balls", "check", "envelope", "law", "reading", "sentence"}
+    assert set(re.findall(r"`(\w+)\.py`", page)) == {file.stem for file in FOLDER.glob("*.py")} - aside

@@ -5,6 +5,7 @@ import pickle
 import random
 import shutil
 import sys
+import tempfile
 import warnings
 from pathlib import Path
 from types import ModuleType
@@ -16,6 +17,7 @@ from grazing.kernel import compile as compiling
 from grazing.kernel import disk
 from grazing.kernel.compile import compiled
 from tests.kernel.kept import SOURCE, fresh
+from tests.sweep.test_disks import as_nobody
 
 
 @pytest.fixture
@@ -264,6 +266,23 @@ def test_a_folder_that_can_only_be_read_is_read(kept, tmp_path, monkeypatch):
     os.chmod(kept, 0o622)  # not by anybody's hand
     with pytest.warns(RuntimeWarning, match=r"others can write to it\); it is compiled again"):
         assert fresh()(3.0) == 7.0
+
+
+@pytest.mark.skipif(os.name != "posix", reason="rights of POSIX")
+def test_a_folder_that_cannot_be_entered_is_not_said_to_be_read(monkeypatch):
+    """The warning said that the kernels in it were used."""
+    with tempfile.TemporaryDirectory() as name:  # one that others may enter
+        shut, other = Path(name, "shut"), Path(name, "other")
+        for folder, mode in ((Path(name), 0o755), (shut, 0o600), (other, 0o1777)):
+            folder.mkdir(exist_ok=True)
+            folder.chmod(mode)
+        monkeypatch.setenv("GRAZING_CACHE", str(shut))
+        monkeypatch.setattr(disk.tempfile, "tempdir", str(other))
+        disk.folders.cache_clear()
+        with as_nobody(), pytest.warns(RuntimeWarning, match=r"shut \(Permission denied\); they go to .*other"):
+            fallback, read = disk.folders()
+        assert read is None and fallback.parent == other
+        disk.folders.cache_clear()
 
 
 def test_nothing_else_reads_pickles_of_kernels():

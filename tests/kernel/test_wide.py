@@ -23,10 +23,10 @@ ROOT = Path(__file__).parents[2]
 SOURCE = Path(grazing.__file__).parents[1]
 
 
-def told(before="", **environment):
+def told(before="", bits=False, **environment):
     """Return what a process prints, in which something is done before the forms are chosen."""
     paths = [str(SOURCE), str(ROOT)]
-    program = f"import sys; sys.path[:0] = {paths}\n{before}\nfrom tests.kernel.wide_program import tell\ntell()"
+    program = f"import sys; sys.path[:0] = {paths}\n{before}\nfrom tests.kernel.wide_program import tell\ntell({bits})"
     done = python(program, env={**os.environ, **environment, "NUMBA_DISABLE_JIT": "0"})
     assert done.returncode == 0, done.stderr
     return json.loads(done.stdout)
@@ -34,13 +34,17 @@ def told(before="", **environment):
 
 @pytest.fixture(scope="module")
 def plain():
-    return told(GRAZING_WIDE="0")
+    return told(bits=not wide.plain(), GRAZING_WIDE="0")
 
 
 def test_the_plain_forms_give_the_same_bits(plain):
-    """The block and the scalar routine, strict: every orbit, letter, near miss and slow impact."""
+    """The block and the scalar routine, strict: every orbit, letter, near miss and slow impact.
+
+    Where this process takes the plain forms itself there is nothing to compare: they are compiled once, and fly.
+    """
     assert plain["why"] == "GRAZING_WIDE is 0"
-    assert plain["bits"] == wide_program.bits()
+    here = wide_program.bits()
+    assert wide.plain() or plain["bits"] == here
 
 
 def test_the_forms_are_told_apart(plain):

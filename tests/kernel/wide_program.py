@@ -84,8 +84,8 @@ def step():
     return digest(gz.stroboscopic_map(gz.pinball(V=0.4)).step)
 
 
-def tell():
+def tell(all_of_it):
     found = {"why": wide.plain(), "small": small(), "apart": told_apart(), "step": step()}
-    if wide.plain() == "GRAZING_WIDE is 0":
+    if all_of_it:
         found["bits"] = bits()
     print(json.dumps(found))

@@ -105,7 +105,7 @@ def test_points_are_those_of_the_trajectory():
     P = gz.collision_map(table)
     orbit = P.orbit((0.9, 0.4, 3.0), 20)
     from grazing.billiard.hit import spot
-    from grazing.maps.collisions import velocity
+    from grazing.maps.collide import velocity
 
     block = table.blocks(table.row(), "python")[0]
     states = []

@@ -79,3 +79,5 @@ def test_names_of_objects_are_letters():
             names.read(text, 0)
     with pytest.raises(InputError, match="letter 3 has no name"):
         names.symbol(3)
+    with pytest.raises(InputError, match=r"letter = \['A'\]; allowed is a whole number"):
+        names.symbol(["A"])

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.maps import launches
 from grazing.outcome import ESCAPED, TOO_MANY_IMPACTS
+from grazing.pool import run_tasks
 from tests.billiard.tables import ELASTIC, box
 from tests.maps.test_collisions import pinball
 
@@ -43,6 +45,57 @@ def test_they_are_those_of_trajectories_and_of_the_map():
             state, letter = L((a, v))
             assert L.letters.names[letter] == flown.exit.item() and state.tolist() == [float(letter), 0.0]
             assert L(state)[1] == letter
+
+
+def test_launches_are_the_same_on_any_number_of_threads(monkeypatch):
+    angle, speed = np.linspace(-3.0, 3.0, 50), np.linspace(0.2, 2.0, 41)
+    one = gz.launches(pinball(), POINT, angle, speed, threads=1)
+    tasks = []
+    monkeypatch.setattr(launches, "TOGETHER", 300)
+    monkeypatch.setattr(launches, "run_tasks", lambda made, threads: (tasks.extend(made), run_tasks(made, threads)))
+    assert one.identical(gz.launches(pinball(), POINT, angle, speed, threads=3))
+    assert len(tasks) == 7
+    with pytest.raises(gz.InputError, match="threads = 0"):
+        gz.launches(pinball(), POINT, angle, speed, threads=0)
+
+
+def with_plunger():
+    table = pinball()
+    return gz.table(table.objects, table.rho, table.g, table.tilt, plunger=gz.plunger(POINT, 1.2, 0.5, 2.0))
+
+
+def test_a_plunger_says_where_balls_are_launched():
+    table, angle, speed = with_plunger(), [0.4, 1.2], [0.7, 1.9]
+    found, there = gz.launches(table, None, angle, speed), gz.launches(pinball(), POINT, angle, speed)
+    assert found.exit.equals(there.exit) and found.time.equals(there.time)
+    usual = gz.launches(table)
+    assert usual.angle.values.tolist() == [1.2] and usual.speed.values[[0, -1]].tolist() == [0.5, 2.0]
+    L = gz.launch_map(table)
+    assert L.box == ((1.2 - 0.5 * pi, 1.2 + 0.5 * pi), (0.5, 2.0)) and "launch.x" not in L.params
+    assert L((0.4, 0.7))[1] == gz.launch_map(pinball(), POINT)((0.4, 0.7))[1]
+    grid = {"angle": np.linspace(0.0, 3.0, 9), "speed": np.array([1.0])}
+    moved = L.replace(**{"plunger.x": 2.0, "plunger.y": 7.5})
+    exits = gz.launches(pinball(), (2.0, 7.5), grid["angle"], grid["speed"]).exit.values
+    seen = gz.basins(moved, grid, transient=1, keep=4)
+    assert [f"({name})" for name in exits.ravel()] == seen.word.values[seen.basin.values].ravel().tolist()
+    assert pickle.loads(pickle.dumps(table)) == table != pinball()
+    assert table.replace(**{"plunger.fast": 3.0}).plunger.fast == 3.0
+
+
+def test_a_plunger_that_is_none_is_refused():
+    for wrong, said in (
+        (lambda: gz.plunger(3.0, 1.0, 0.0, 1.0), r"point of 'a plunger' is 3\.0; give a point"),
+        (lambda: gz.plunger((0, 0), 1.0, 2.0, 1.0), "from 2 to 1; allowed is slow < fast"),
+        (lambda: gz.plunger((0, 0), 1.0, -2.0, 1.0), "plunger.slow = -2; allowed is"),
+        (lambda: gz.table(pinball().objects, plunger=3), "plunger is 3; give gz.plunger"),
+        (lambda: gz.table(pinball().objects, 0.1, plunger=gz.plunger((2.0, 6.1), 0, 0, 1)), "overlaps P"),
+        (lambda: gz.table([gz.disc("plunger", (0, 0), 1.0, ELASTIC)], plunger=gz.plunger((4, 0), 0, 0, 1)),
+         "plunger.x is a parameter of the plunger; rename the object"),
+        (lambda: gz.launch_map(pinball()), "has no plunger; give the point"),
+        (lambda: gz.launches(pinball(), POINT), "has no plunger; give the angles"),
+    ):  # fmt: skip
+        with pytest.raises(gz.InputError, match=said):
+            wrong()
 
 
 def test_ways_out_have_basins_over_launches():

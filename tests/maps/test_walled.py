@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 import grazing as gz
 from grazing.maps.hits import CHATTER, LAY, MANY
 from grazing.outcome import FATAL, Outcome
+from grazing.parameter import parameters
 
 #: Over-damped, under-damped, undamped, critical and free flights, with one to three harmonics.
 FLIGHTS = {
@@ -26,6 +27,28 @@ FLIGHTS = {
 def starts(P, n, seed=0):
     box = np.array(P.box)
     return np.random.default_rng(seed).uniform(box[:, 0], box[:, 1], (n, 2))
+
+
+@pytest.mark.parametrize("walls", [(0.1,), (-0.5, 0.6), (0.9,)], ids=["below", "two", "above"])
+@pytest.mark.parametrize(
+    "moves", [None, gz.Forcing(omega=1.7, t0=0.2, cos=(0.1, 0.05), sin=(0.02,))], ids=["", "moves"]
+)
+def test_the_box_has_the_walls_where_the_map_has_them_at_the_strobe(walls, moves):
+    alpha, k, force = FLIGHTS["under"]
+    side = {"side": "above"} if walls == (0.9,) else {}
+    m = gz.Oscillator(alpha, k, force, walls=[gz.wall(at, gz.newton(0.6), motion=moves, **side) for at in walls])
+    P = gz.stroboscopic_map(m, phase=0.7)
+    c, (low, high) = P.prepare(parameters(P.params)), P.box[0]
+    ends = [(at - low) / (high - low) for at in ([c.za, c.zb] if c.two else [c.za])]
+    np.testing.assert_allclose(ends, [-1e-3 / 0.998, 1.0 + 1e-3 / 0.998][-1 if side else 0 :][: len(walls)], rtol=1e-9)
+    assert P.box[1][0] < min(c.wa, c.wb) and P.box[1][1] > max(c.wa, c.wb)
+
+
+def test_more_harmonics_than_flights_are_compiled_for_are_refused_at_once():
+    walls = gz.wall(-0.3, gz.newton(0.7)), gz.wall(0.5, gz.newton(0.8))
+    model = gz.Oscillator(0.2, 1.3, gz.Forcing(omega=2.1, cos=(0.01,) * 201), walls=walls)
+    with pytest.raises(gz.InputError, match="201 harmonics"):
+        gz.stroboscopic_map(model)
 
 
 def symbols(P, letters):

@@ -116,3 +116,23 @@ def test_what_was_found_between_walls_is_kept_when_the_limit_is_reached():
     cut = continuation(orbit.map, orbit, "sin1", (0.2, 2.0), points=60)
     assert not cut.complete and 40 < sum(len(piece.orbits) for piece in cut.pieces) <= 62
     assert cut.special and cut.dataset.sizes["point"] > 40 and "limit" in cut.dataset.attrs["unfinished"]
+
+
+@pytest.mark.parametrize("L", [1.0, 2.0**-60, 1e7])
+@pytest.mark.parametrize(
+    ("name", "bounds", "touch"),
+    [("sigma", (-0.5, 0.5), 0.2), ("offset", (-0.3, 0.3), 0.0), ("offset", (-0.31, 0.3), 0.0)],
+)
+def test_a_ball_that_a_constant_force_holds_touches_the_wall_where_it_rests_on_it(name, bounds, touch, L):
+    # dips of rounding were taken for its lowest point: grazes that are none, and rests in the wall that were no depth
+    model = gz.Oscillator(0.3, 1.0, gz.Forcing(2.4, offset=0.2 * L, cos=()), gz.newton(0.5))
+    free = FreeEquations(model, ())
+    orbit = free.orbit(free.start(np.empty(0)), np.empty(0))
+    branch = continuation(orbit.map, orbit, name, (bounds[0] * L, bounds[1] * L))
+    (graze,) = branch.special
+    assert graze.type == "gr" and graze.converged and graze.admissible
+    assert abs(graze.value / L - touch) < 1e-14
+    for below in (0.1 * L, 1e-9 * L):
+        inside = FreeEquations(model.replace(sigma=0.2 * L + below), ())
+        orbit = inside.orbit(inside.start(np.empty(0)), np.empty(0))
+        assert not orbit.admissible and abs(orbit.depth - below) < 1e-15 * L

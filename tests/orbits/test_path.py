@@ -5,10 +5,11 @@ from collections import Counter
 import pytest
 
 import grazing as gz
-from grazing.orbits import flight_equations, impact_equations, path
+from grazing.orbits import corrector, impact_equations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.piece_equations import PieceEquations
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
 from tests.orbits.test_locus import NORMAL, only
 from tests.test_in_any_unit import henon
@@ -28,9 +29,9 @@ def work(monkeypatch):
 
         monkeypatch.setattr(owner, name, counted)
 
-    count(path, "linearised", "steps")
-    count(path, "corrected", "points")
-    count(flight_equations, "numbers_seen", "prepared")
+    count(corrector, "linearised", "steps")
+    count(corrector, "corrected", "points")
+    count(Rig, "rows_seen", "prepared")
     count(ImpactEquations, "evaluated", "evaluated")
     count(ImpactEquations, "_profiles", "profiles")
     count(impact_equations, "call", "kernels")
@@ -80,9 +81,9 @@ def test_a_branch_between_walls_makes_a_model_for_each_orbit_and_one_for_each_po
     P = gz.stroboscopic_map(gz.Oscillator(1.0, 1.2, gz.Forcing(1.4, offset=0.1, cos=(1.2,)), walls=walls))
     orbit = next(one for one in gz.periodic_orbits(P, 1, starts=20, threads=1) if one.impacts == 2)
     made, points = [], []
-    plain, ran = Walled.replace, path.tangent_of
+    plain, ran = Walled.replace, corrector.tangent_of
     monkeypatch.setattr(Walled, "replace", lambda model, **changes: made.append(1) or plain(model, **changes))
-    monkeypatch.setattr(path, "tangent_of", lambda *args: points.append(1) or ran(*args))
+    monkeypatch.setattr(corrector, "tangent_of", lambda *args: points.append(1) or ran(*args))
     branch = gz.continuation(P, orbit, "omega", (1.2, 1.8))
     assert len(list(branch)) > 20  # whether a point is symmetric was asked of a model of its own from either side
     assert len(made) <= len(list(branch)) + len(points) + 10

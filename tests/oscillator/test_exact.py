@@ -13,10 +13,11 @@ from flint import arb, ctx
 import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.maps.starting import paper_box
-from grazing.oscillator import exact, exact_flight
+from grazing.oscillator import exact, exact_flight, exact_motion
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.exact import Frame, Period, exact_period, followed
-from grazing.oscillator.exact_flight import Motion, rounded
+from grazing.oscillator.exact_flight import rounded
+from grazing.oscillator.exact_motion import Motion
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.sure import Beyond, Sure, Undecided
 from grazing.outcome import AMBIGUOUS, BAD_LAW, CHATTER, GRAZE, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
@@ -233,12 +234,34 @@ def test_formulas_and_matrix_exponentials_agree(monkeypatch, alpha, stiffness):
     motion.formulas = False
     for (y, v), (y0, v0) in zip(seen, (flight.at(s) for s in times), strict=True):
         assert y.overlaps(y0) and v.overlaps(v0) and max(y.rad(), v.rad()) < 1e-12
-    monkeypatch.setattr(exact_flight, "NEAR", math.inf)  # nothing is as far from singular cases as that
+    monkeypatch.setattr(exact_motion, "NEAR", math.inf)  # nothing is as far from singular cases as that
     assert not Frame(m, 0, 0.3).motion.formulas
     again = [exact_period(m, start) for start in starts]
     assert [(each.state, each.impacts, each.outcome) for each in again] == [
         (each.state, each.impacts, each.outcome) for each in found
     ]
+
+
+@pytest.mark.parametrize(("alpha", "stiffness"), RATES)
+@pytest.mark.parametrize("bits", [53, 128, 1024])
+def test_series_and_matrix_exponentials_agree(monkeypatch, alpha, stiffness, bits):
+    """Their balls overlap up to the longest time of a series, and a series is known no worse; so it is in any unit."""
+    monkeypatch.setattr(ctx, "prec", bits)
+    for unit in (1.0, 2.0**-40):
+        force = gz.Forcing(omega=1.7 / unit, offset=-0.1, cos=(1.0, 0.2), sin=(0.3, 0.0))
+        spring = stiffness / unit**2
+        m = gz.Oscillator(alpha=alpha / unit, stiffness=spring, forcing=force, reset=gz.newton(0.8))
+        motion = Frame(m, 0, 0.3 * unit).motion
+        motion.formulas = False
+        flight = exact_flight.Flight(motion, arb(0.4 * unit), arb(0.1 * unit**2), arb(-0.3 * unit))
+        times = [arb(2) ** -n / motion.rate for n in (-0.99, 0, 3, 10, 200)]
+        seen = [flight.at(s) for s in times]
+        monkeypatch.setattr(exact_flight, "REACH", -1)
+        for pair, other in zip(seen, (flight.at(s) for s in times), strict=True):
+            for a, b in zip(pair, other, strict=True):
+                assert a.overlaps(b) and (a.rad() <= 4 * b.rad() or a.rel_accuracy_bits() >= bits - 4)
+        monkeypatch.undo()
+        monkeypatch.setattr(ctx, "prec", bits)
 
 
 # ---- ties
@@ -456,7 +479,7 @@ def test_work_is_bounded(m, flag, monkeypatch):
     monkeypatch.setattr(Motion, "count", lambda self, n, count=Motion.count: work.append(n) or count(self, n))
     start = (m.sigma, 1e-4)
     assert exact_period(m, start) is None
-    assert sum(work) <= len(exact.PRECISIONS) * (exact_flight.BUDGET + 10)
+    assert sum(work) <= len(exact.PRECISIONS) * (exact_motion.BUDGET + 10)
     assert not flag or in_doubles(m, start)[2] & flag
 
 

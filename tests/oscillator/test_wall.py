@@ -30,6 +30,7 @@ def between(low=-0.5, high=0.5, law=LAW, law2=None, **motions):
         (lambda: gz.wall(0.0, LAW, name="C"), "allowed is one capital letter other than C and S"),
         (lambda: gz.wall(0.0, LAW, name="left"), "one capital letter"),
         (lambda: gz.Oscillator(0, 1, FORCE, LAW, walls=[gz.wall(0.0, LAW)]), "walls are given beside reset; each wall"),
+        (lambda: gz.Oscillator(walls=[gz.wall(0.0, LAW)]), "between walls needs alpha, forcing as well"),
         (lambda: gz.Oscillator(0, 1, FORCE, sigma=1.0, walls=[gz.wall(0.0, LAW)]), "walls are given beside sigma"),
         (lambda: gz.Oscillator(0, 1, FORCE, walls=[]), r"walls are \[\]; give one or two of gz.wall"),
         (lambda: gz.Oscillator(0, 1, FORCE, walls=(1.0, 2.0)), "give one or two of gz.wall"),
@@ -123,7 +124,7 @@ def test_each_wall_sees_the_forces_that_its_motion_makes():
     for j, sign in enumerate((1.0, -1.0)):
         z = [m.places_at(t + d)[0][j] - m.walls[j].position for d in (-h, 0.0, h)]
         bend, slope = (z[2] - 2 * z[1] + z[0]) / h**2, (z[2] - z[0]) / (2 * h)
-        seen = m.seen_from(j)
+        seen = m.seen[j]
         f, g = m.forcing, seen.forcing
         force = [
             w.offset
@@ -147,3 +148,27 @@ def test_the_room_between_walls_is_a_lower_bound_near_the_truth():
         at = m.places_at(t)[0]
         true, room = (at[1] - at[0]).min(), m.rooms(np.array([list(m.params.values())]))[0]
         assert true - 2e-3 < room <= true + 1e-12
+
+
+def test_a_model_over_one_wall_says_of_it_what_the_same_wall_given_by_itself_does():
+    """One contract serves both: what asks a rig need not know which it has."""
+    forcing, law = gz.Forcing(omega=2.2, t0=0.3, offset=0.12, cos=(1.0, 0.2), sin=(0.1, 0.0)), gz.active(r=0.8, V=0.4)
+    one = gz.Oscillator(3.0, 1.0, forcing, law, sigma=-0.2)
+    other = gz.Oscillator(3.0, 1.0, forcing, walls=[gz.wall(-0.2, law)])
+    rows, times = np.array([list(one.params.values())]), np.linspace(-1.0, 5.0, 7)
+    assert (one.walled, other.walled) == (False, True)
+    assert one.walls == other.walls
+    assert (one.names, one.moves, one.symmetric) == (other.names, other.moves, other.symmetric) == ("A", False, False)
+    assert one.places == other.places
+    assert one.seen[0] is one
+    assert dict(other.seen[0].params) == dict(one.params)
+    for a, b in zip(one.rows_seen(rows), other.rows_seen(rows), strict=True):
+        np.testing.assert_array_equal(a, b)
+    for a, b in zip(one.places_at(times), other.places_at(times), strict=True):
+        np.testing.assert_array_equal(a, b)
+    np.testing.assert_array_equal(one.rooms(rows), other.rooms(rows))
+    P, Q = gz.stroboscopic_map(one), gz.stroboscopic_map(other)
+    assert (P.section, Q.section) == ("strobe", "strobe")
+    assert P.origin.rig is one
+    assert Q.origin.rig is other
+    assert (P.walled, Q.walled) == (None, other)

@@ -82,6 +82,18 @@ def test_chaos_is_shaded_where_an_exponent_is_positive():
     assert len(plot.lyapunov(result, positive=0.0)["chaos"]) == 2
 
 
+def test_chaos_is_shaded_and_labelled_in_any_unit_of_time():
+    """A threshold in exponents per unit of time shaded nothing in milliseconds, and the axis did not say the unit."""
+    result = results.lyapunov()
+    result["exponent_per_time"] = result["exponent_per_time"] * 1e-6
+    result["exponent_per_time"].attrs["units"] = "1/ms"
+    per_step, per_time = (plot.lyapunov(result, per=per) for per in ("step", "time"))
+    seen = [[band.get_extents().intervalx.tolist() for band in drawn["chaos"]] for drawn in (per_step, per_time)]
+    assert seen[0] == seen[1] != []
+    assert per_time["figure"].axes[0].get_ylabel() == "Lyapunov exponents per unit of time (1/ms)"
+    assert per_step["figure"].axes[0].get_ylabel() == "Lyapunov exponents per step"
+
+
 def test_many_marks_are_pixels_in_vector_files():
     many = results.lyapunov(np.linspace(3.4, 4.0, 500), starts=8)
     assert all(line.get_rasterized() for line in plot.lyapunov(many)["exponents"])

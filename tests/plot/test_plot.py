@@ -1,5 +1,7 @@
 """Figures hold the data they were given; nothing global changes; files are the same each time."""
 
+import warnings
+
 import matplotlib
 import numpy as np
 import pytest
@@ -38,6 +40,35 @@ def test_a_trajectory_breaks_at_impacts():
     assert drawn["strobe"].get_xdata().tolist() == [0.1]
     part = result.isel(t=result.t.values > result.impact_time.values[1])
     assert len(plot.trajectory(part)["impacts"]) == 1  # those before it are not in sight
+
+
+@pytest.mark.parametrize("unit", [2.0**-100, 1.0, 2.0**100])
+def test_a_motion_fills_its_axes_in_any_unit(unit):
+    """Positions had an axis of at least 1e-13, in whatever unit, on which smaller motions were a line."""
+    model = gz.Oscillator(3.0, 1.0, gz.Forcing(2.2, offset=0.12 * unit, cos=(unit,)), gz.active(0.8, 0.4 * unit))
+    flown = gz.trajectory(model, (0.1 * unit, 0.0), until=10.0)
+    (low, high), (floor, roof) = (
+        plot.trajectory(flown)["figure"].axes[0].get_xlim(),
+        plot.history(flown)["figure"].axes[0].get_ylim(),
+    )
+    assert (low, high) == (floor, roof) and flown.u.values.max() > 0.8 * (high - low)
+    still = gz.trajectory(gz.Oscillator(0.1, 1.0, gz.Forcing(2.0, offset=-1.0), gz.newton(0.5)), (0.0, 0.0), until=5.0)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")  # of limits that are equal
+        plot.trajectory(still)
+
+
+@pytest.mark.parametrize("side", ["below", "above"])
+def test_states_at_the_strobe_are_where_the_motion_is_in_any_unit(side):
+    """States in metres were drawn as if they were the millimetres of the trajectory."""
+    rig = gz.Oscillator.from_si(
+        m=0.8, c=2.4, k=3200, force=2.5, gap=1.2e-3, side=side, frequency=14, reset=gz.newton(0.7)
+    )
+    flown = gz.trajectory(rig, (0.0, 0.1), until=0.02)
+    drawn = plot.trajectory(gz.in_units(flown, "mm", "mm/s"), strobe=[(0.0, 0.1), (1e-3, 0.2)])
+    sign = -1.0 if side == "above" else 1.0
+    assert drawn["strobe"].get_xdata() == pytest.approx([0.0, sign])
+    assert drawn["strobe"].get_ydata() == pytest.approx([sign * 100.0, sign * 200.0])
 
 
 def test_a_graph_jumps_where_the_letter_changes():

@@ -81,9 +81,9 @@ def test_names_of_a_branch_are_seen_whatever_the_parameter_is(result):
 
 
 def test_what_cannot_be_drawn_is_said(result):
-    with pytest.raises(gz.InputError, match="by = 'speed'; allowed are amplitude, mean, peak_velocity"):
+    with pytest.raises(gz.InputError, match="by is 'speed'; allowed are 'amplitude', 'mean', 'peak_velocity'"):
         response(result, by="speed")
-    with pytest.raises(gz.InputError, match="allowed are amplitude"):
+    with pytest.raises(gz.InputError, match="allowed are 'amplitude'"):
         response(result, by="period")
     with pytest.raises(gz.InputError, match="response finds no amplitude"):
         response(gz.orbit_diagram(gz.gap_map(0.5, 0.1, 0.1), "mu", [0.1, 0.2], starts=2))

@@ -37,6 +37,15 @@ def test_the_way_of_a_ball_is_that_of_the_trajectory():
     assert drawn["objects"]["left_drain"].get_linestyle() == "--"
 
 
+def test_a_plunger_is_an_arrow_to_where_balls_are_launched():
+    drains = [gz.drain("out", (0, 0), (3, 0))]
+    drawn = gz.plot.table(gz.table(drains, plunger=gz.plunger((5.0, 1.0), np.pi, 1.0, 2.0)))
+    arrow, ax = drawn["plunger"], drawn["figure"].axes[0]
+    assert arrow.xy == (5.0, 1.0) and arrow.xyann[0] > 0.0 and abs(arrow.xyann[1]) < 1e-12  # it comes from the right
+    assert ax.get_xlim()[1] > 5.0 and ax.get_ylim()[1] > 1.0
+    assert gz.plot.table(gz.table(drains))["plunger"] is None
+
+
 def corners(x, y):
     """By how many degrees a way turns at each of its points."""
     dx, dy = np.diff(x), np.diff(y)

@@ -220,3 +220,13 @@ def test_an_orbit_that_is_another_one_than_was_given_is_told_in_any_unit(unit):
         return certify(other).reason
 
     assert reason(1e-6) == "" and "to another orbit" in reason(1e-2)
+
+
+@pytest.mark.parametrize(("k", "said"), [(80.0, ""), (1e3, "too many time scales"), (3e4, "too many time scales")])
+def test_a_stiff_spring_needs_more_digits_or_has_too_many_time_scales(k, said):
+    # balls that had grown wide were taken for steps that do not shrink: "give an orbit of a smaller residual"
+    forcing = gz.Forcing(2.0, offset=0.5 * k * k)
+    proof = certify(without_impacts(gz.Oscillator(0.5, k, forcing, gz.newton(0.5))))
+    assert said in proof.reason and proof.proven == (not said)
+    if proof.proven:
+        assert proof.document["data"]["precision"] > 256 and check_certificate(proof.document) == proof.statement

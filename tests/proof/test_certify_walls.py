@@ -177,7 +177,7 @@ def test_a_parameter_of_a_law_may_begin_like_an_amplitude(count):
 
     def claims(name):
         law = gz.reset(lambda v, p: -getattr(p, name) * v, **{name: 0.6})
-        force, nod = gz.Forcing(omega=2.0, cos=(2.0,)), gz.Forcing(omega=4.0, cos=(0.01,))
+        force, nod = gz.Forcing(omega=2.0, cos=(2.0,)), gz.Forcing(omega=2.0, cos=(0.01,))
         sides = gz.wall(-0.5, law, motion=nod), gz.wall(0.5, law)
         if count:
             model = walled(0.1, {"k": 0.5}, force, *sides[:count])

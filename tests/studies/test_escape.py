@@ -30,6 +30,12 @@ def test_a_piecewise_linear_map_lets_go_of_what_its_slopes_say():
     assert found.lost == 0 and found.rates.shape == (8,) and "a step" in repr(found)
 
 
+def test_many_small_populations_are_as_right_as_their_error_says():
+    """Means of logarithms of shares, of populations with few orbits, were too large by twice the error."""
+    found = gz.escape_rate(leaky(), orbits=150, transient=5, steps=10, populations=100, threads=1)
+    assert abs(found.rate - np.log(3.0)) < 2.5 * found.error < 0.03
+
+
 @pytest.mark.parametrize(
     ("table", "known", "transient"), [(three_discs(3.0), ELASTIC, 8), (active_discs(3.0), KICKED, 30)]
 )

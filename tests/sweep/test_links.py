@@ -9,7 +9,7 @@ import pytest
 from grazing import sweep
 from grazing.outcome import GrazingError
 from grazing.sweep import files
-from grazing.sweep.store import open_existing
+from grazing.sweep.opened import open_existing
 from grazing.sweep.task import note_run, note_time
 from tests.sweep.plans import plan
 from tests.sweep.swaps import at_call

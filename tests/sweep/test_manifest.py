@@ -17,7 +17,7 @@ from grazing import sweep
 from grazing.studies.plan import run_plan
 from grazing.sweep import manifest
 from grazing.sweep.codec import decode, encode
-from grazing.sweep.store import open_existing
+from grazing.sweep.opened import open_existing
 from tests.sweep.plans import files, plan
 
 

@@ -296,6 +296,13 @@ def test_an_exception_leaves_a_store_to_be_resumed(tmp_path, threads):
     assert files(store) == files(tmp_path / "b.zarr")
 
 
+def test_what_is_no_plan_is_refused(tmp_path):
+    """It was a bare AttributeError."""
+    for call in (sweep.run, lambda plan, store: sweep.estimate(plan)):
+        with pytest.raises(gz.InputError, match=r"plan is {'a': 1}; give one of gz.plans"):
+            call({"a": 1}, tmp_path / "a.zarr")
+
+
 def test_progress_counts_cells_and_those_of_before(tmp_path):
     seen = []
     sweep.run(plan(7), tmp_path / "a.zarr", chunk=2, shard=(1, 2), progress=lambda *two: seen.append(two))

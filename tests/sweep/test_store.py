@@ -10,7 +10,7 @@ import zarr
 import grazing as gz
 from grazing import sweep
 from grazing.sweep.grid import grid_of
-from grazing.sweep.store import open_existing
+from grazing.sweep.opened import open_existing
 from grazing.sweep.template import create
 from tests.sweep.plans import files, plan
 

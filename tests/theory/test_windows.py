@@ -4,7 +4,7 @@ from itertools import pairwise
 import pytest
 from hypothesis import assume, given, settings
 
-from grazing import theory
+from grazing import InputError, theory
 from tests.theory.naive import GAPS, LAMS, PERIODS, iterate, product_of_slopes, true_right_point, word
 
 CASES = [
@@ -124,3 +124,10 @@ def test_chain_of_proposition_3_2():
         gaps.append(theory.mu_bc(N + 1, lam, l) / theory.mu_pd(N, lam, l) - 1)
     for first, second in pairwise(gaps):
         assert math.log(second / first) / 20 == pytest.approx(math.log(lam) / 2, rel=0.02)
+
+
+def test_more_windows_than_can_be_told_apart_are_refused_at_once():
+    """2^31 of them took half an hour and 16 GB."""
+    with pytest.raises(InputError, match="N_max = 2147483648; allowed is at most 1000000; windows_overlap tells"):
+        theory.overlapping(0.9, 0.8, 2**31)
+    assert len(theory.overlapping(0.9, 0.8, 10**6)) == 10**6 - 12

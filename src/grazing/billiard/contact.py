@@ -98,6 +98,13 @@ def next_event(x: float, y: float, vx: float, vy: float, left: float, clock: flo
             left = surface + (OFF if why == LEAVES else ON)
         return (surface, -1, t, flags, left), there, there, NONE
     surface, t, flags = first_contact(x, y, vx, vy, left, clock, table)
+    return flight_to(surface, t, flags, state, left, clock, table)
+
+
+@inlined
+def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock: float, table: Any) -> Any:
+    """Return what :func:`next_event` does, of a flight whose first contact is known."""
+    x, y, vx, vy = state
     if flags & FATAL:
         return (surface, -1, t, flags, left), state, state, NONE
     if flags & STUCK:

@@ -16,7 +16,8 @@ import numpy as np
 from flint import fmpq_poly
 from numpy.typing import NDArray
 
-from grazing.billiard.march import beside_circle, beside_face, body_of, face_corner, side_corner
+from grazing.billiard.faces import beside_face, body_of, face_corner
+from grazing.billiard.march import beside_circle, side_corner
 from grazing.billiard.roots import SHARE, Gap, Root, Undecided, exact, inside, made, precision, roots_of, same
 from grazing.billiard.rows import (
     BARE,

@@ -12,7 +12,10 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.billiard.contact import landed, next_event, slid_on
 from grazing.billiard.elements import slid
 from grazing.billiard.exact import exact_contact
+from grazing.billiard.players import Presses
 from grazing.billiard.roots import Undecided
+from grazing.billiard.rows import HEAD, LONG, THING, THINGS, WIDTH
+from grazing.billiard.strategy import Strategy
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.primitives import numbers
 from grazing.memory import refuse_too_large
@@ -33,7 +36,7 @@ from grazing.outcome import (
     UserCodeError,
     shown,
 )
-from grazing.parameter import real
+from grazing.parameter import in_order, real
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -146,22 +149,64 @@ def flights_of(table: Table, state: tuple[float, ...], start: float, until: floa
 
     The last one ends at or after ``until``, or is one after which none follows: its flags say why.
     """
-    block = table.blocks(table.row())[0]
-    now, found, count, going = np.array([start, -1.0, *state]), [], 0, True
+    return played_flights(table, state, start, until, most)[0]
+
+
+def played_flights(
+    table: Table, state: tuple[float, ...], start: float, until: float, most: int = MAX_IMPACTS
+) -> tuple[Floats, dict[str, list[float]]]:  # fmt: skip
+    """Return what :func:`flights_of` does, and when a strategy has pressed and released which buttons."""
+    block, gates, pressed = table.blocks(table.row())[0], len(table.objects), dict[str, list[float]]()
+    now, found, count, going, shut = np.array([start, -1.0, *state]), [], 0, True, None
     while going:
-        flights, going = followed(block, now, until, most - count)
+        flights, going = followed(block if shut is None else shut, now, until, most - count if shut is None else 1)
         found.append(flights)
-        count += len(flights)
+        count, shut = count + len(flights), None
         last = flights[-1]
         if int(last[FLAGS]) & BAD_LAW:
             law = table.objects[int(last[OWNER])].law
             assert law is not None
             checked_velocity(law, float(last[BEFORE]), law.params)
             raise UserCodeError(f"the reset law {law.name} returned {last[AFTER]:g} for v_minus = {last[BEFORE]:g}")
+        gate, t = int(last[OWNER]) - gates, float(now[0] + last[TIME])
+        if gate >= 0 and t <= until:
+            if press_at(table, gate, t, last, pressed):
+                block = table.blocks(table.row(), player=Presses({k: tuple(v) for k, v in pressed.items()}))[0]
+            shut = through(block, last, t, now)
+            going = True
         if going and count >= most:
             last[FLAGS] = int(last[FLAGS]) | TOO_MANY_IMPACTS
             break
-    return np.concatenate(found)
+    return np.concatenate(found), pressed
+
+
+def press_at(table: Table, gate: int, t: float, flight: Floats, pressed: dict[str, list[float]]) -> bool:
+    """Ask a strategy at a gate, unless that button is pressed; note what is pressed, and say whether anything is."""
+    player = table.player
+    assert isinstance(player, Strategy)
+    name = player.gate_of(gate)
+    times = pressed.setdefault(name, [])
+    if (times and t <= times[-1]) or not player.asked(tuple(flight[LAST:NEXT].tolist()), table.params):
+        return False
+    times += [t, t + player.hold]
+    return True
+
+
+def through(block: Floats, flight: Floats, t: float, now: Floats) -> Floats | None:
+    """Let a ball go on through a gate: its flight ends there without an impact.
+
+    A flight goes on from the other side of the line. A slide goes on to its next event with the gate shut: the block in
+    which it is.
+    """
+    surface, slides = int(flight[SURFACE]), flight[PATH] >= 0.0
+    flight[OWNER], flight[BEFORE], flight[AFTER] = -1.0, np.nan, np.nan
+    flight[FLAGS], flight[NEXT:PATH] = int(flight[FLAGS]) & ~ESCAPED, flight[LAST:NEXT]
+    now[:] = t, (flight[LEFT] if slides else surface ^ 1), *flight[LAST:NEXT]
+    if not slides:
+        return None
+    shut = block.copy()
+    shut[HEAD + THING * int(block[THINGS]) + WIDTH * (surface // 2) + LONG] = -1.0
+    return shut
 
 
 @lru_cache(maxsize=1)
@@ -195,7 +240,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     names = "x", "y", "vx", "vy"
     begin = checked_start(state)
     table.refuse_inside(begin[0], begin[1], start)
-    flights = flights_of(table, begin, start, until)
+    flights, pressed = played_flights(table, begin, start, until)
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     begins = start + np.concatenate([[0.0], np.cumsum(flights[:-1, TIME])])
     if int(flights[-1, FLAGS]) & FATAL & ~NO_IMPACT:
@@ -251,6 +296,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
             "title": f"trajectory of {table!r}",
             "grazing_outcome": flags,
             "outcome": word,
+            **({"presses": pressed} if table.player.drains else {}),
             **{f"parameter_{name}": value for name, value in table.params.items()},
         },
     )
@@ -260,7 +306,7 @@ def checked_start(state: ArrayLike) -> tuple[float, ...]:
     """Return the state of a ball as four floats, or raise InputError."""
     wanted = "give 4 numbers (x, y, vx, vy): place and velocity of the ball's centre"
     try:
-        values = np.asarray(state, dtype=object).ravel().tolist()
+        values = np.asarray(in_order(state), dtype=object).ravel().tolist()
     except Exception:  # of whatever object was given
         values = []
     if len(values) != 4:

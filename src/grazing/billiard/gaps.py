@@ -27,6 +27,10 @@ LOOKS = 10_000
 LEAST = 1e-3
 #: Steps of Newton's method from where it surely converges.
 ROOTS = 60
+#: What a look at a circle finds.
+ON, HIT, MISSED, NEAR = range(4)
+#: Of a flight that hardly comes down to a face.
+PRESSED = -1
 
 
 @inlined
@@ -51,14 +55,13 @@ def highest(c3: float, a4: float, w: float) -> float:
 @inlined
 def safe_step(h: float, dh: float, k: float) -> float:
     """Return the first root s > 0 of h + dh s + k s^2 with h >= 0, infinity for none; if h is 0, dh is not yet down."""
-    if dh >= 0.0:
-        if k >= 0.0:
-            return INFINITY
-        return -(dh + sqrt(dh * dh - 4.0 * k * h)) / (2.0 * k) if k > -INFINITY else 0.0
     D = dh * dh - 4.0 * k * h
-    if D < 0.0:
+    if (dh >= 0.0 and k >= 0.0) or D < 0.0:
         return INFINITY
-    return 2.0 * h / (sqrt(D) - dh)
+    if not k > -INFINITY:
+        return 0.0
+    root = sqrt(D)
+    return (2.0 * h if dh < 0.0 else -(dh + root)) / (root - dh if dh < 0.0 else 2.0 * k)
 
 
 @inlined
@@ -73,24 +76,100 @@ def touches(h: float, dh: float, e: float, speed: float) -> bool:
     return abs(h) <= DEEP * e and abs(dh) <= ALONG * speed
 
 
+@inlined
+def nearer_root(s: float, a: float, b: float, h: float, dh: float, k: float, c3: float, a4: float) -> Any:
+    """Return (s, a, b, done) after a step of Newton's method for the root in [a, b], halved where it leaves that."""
+    value = (((a4 * s + c3) * s + k) * s + dh) * s + h
+    rate = ((4.0 * a4 * s + 3.0 * c3) * s + 2.0 * k) * s + dh
+    if value > 0.0:
+        a = s
+    else:
+        b = s
+    middle = 0.5 * (a + b)
+    new = s - value / rate if rate < 0.0 else middle
+    if not a <= new <= b:
+        new = middle
+    return new, a, b, abs(new - s) <= 2.0 * EPS * s or not a < b
+
+
+@inlined
+def first_guess(h: float, dh: float, k: float, reach: float) -> float:
+    """Return where Newton's method begins: the root of the parabola, if it has one in [0, reach]."""
+    D = dh * dh - 4.0 * k * h
+    return min(2.0 * h / (sqrt(D) - dh), reach) if D > 0.0 else 0.0
+
+
 def landing(h: float, dh: float, k: float, c3: float, a4: float, reach: float) -> float:
     """Return the root of h + dh s + k s^2 + c3 s^3 + a4 s^4 in [0, reach], in which it falls throughout."""
-    a, b, D = 0.0, reach, dh * dh - 4.0 * k * h
-    s = min(2.0 * h / (sqrt(D) - dh), reach) if D > 0.0 else 0.0
+    s, a, b = first_guess(h, dh, k, reach), 0.0, reach
     for _ in range(ROOTS):
-        value = (((a4 * s + c3) * s + k) * s + dh) * s + h
-        rate = ((4.0 * a4 * s + 3.0 * c3) * s + 2.0 * k) * s + dh
-        if value > 0.0:
-            a = s
-        else:
-            b = s
-        new = s - value / rate if rate < 0.0 else 0.5 * (a + b)
-        if not a <= new <= b:
-            new = 0.5 * (a + b)
-        if abs(new - s) <= 2.0 * EPS * s or not a < b:
-            return new
-        s = new
+        s, a, b, done = nearer_root(s, a, b, h, dh, k, c3, a4)
+        if done:
+            break
     return s
+
+
+@inlined
+def look(
+    dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float, t: float, fresh: bool, end: float,
+    doubt: float,
+) -> Any:  # fmt: skip
+    """Look at a circle once, at the time t of a flight, see :func:`crossing`.
+
+    Returns
+    -------
+    (what, t, late, flags, doubt), (h, dh, k, c3, reach)
+        What is found: ON, to be looked at again at t; HIT or MISSED; or NEAR, the polynomial from t on has its only
+        root in (0, reach].
+    """
+    a4, size2, flags, what, late = 0.25 * g * g, size * size, OK, ON, 0.0
+    now = vy - g * t
+    x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t
+    fast = abs(vx) + abs(vy) + g * t
+    far = abs(dx) + abs(dy) + fast * t
+    h, dh = sign * (x * x + y * y - size2), sign * 2.0 * (x * vx + y * now)
+    bend, c3, w = vx * vx + now * now - g * y, -g * now, end - t
+    e, d = GAP * EPS * (far * (abs(x) + abs(y)) + size2), GAP * EPS * far * fast
+    b = GAP * EPS * (fast * fast + g * (far + size))
+    if sign < 0.0 and fast + g > 0.0:  # it is inside, and does not stay there
+        w = min(w, 2.0 * size / sqrt(vx * vx + now * now + g * size))
+    up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
+    if fresh:
+        low, fall = 0.0, max(fall, 0.5 * dh)
+    near = min(4.0 * max(up, 0.0) / -rate, w) if rate < 0.0 else 0.0
+    most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
+    most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
+    D = rate * rate - 4.0 * most * up
+    reach = 2.0 * up / (sqrt(D) - rate) if rate < 0.0 and up > 0.0 and D > 0.0 else INFINITY
+    least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
+    k = sign * bend + least - b
+    step = safe_step(low, fall, k) * (1.0 - GAP * EPS) - 2.0 * EPS * t
+    again = not fresh and doubt < INFINITY
+    if not (e < INFINITY and b < INFINITY):
+        what, flags = HIT, DIVERGED
+    elif again and ((h < -e and rate >= 0.0) or (rate < 0.0 and up <= 0.0)):
+        what, late, t = HIT, t - doubt, doubt  # through and back, by less than can be decided
+    elif not fresh and rate < 0.0 and (up <= 0.0 or reach <= near):
+        what, late = NEAR, (e + d * near) / -rate + 4.0 * EPS * t
+        if not h > 0.0:
+            what = HIT
+    elif step >= w and t + w >= end:
+        what = MISSED
+    else:
+        step = min(step, w)
+        if low > 0.0:
+            doubt = INFINITY
+        if not t + step > t or (low < e and not fresh):
+            wide = 2.0 * sqrt(e / (abs(k) + abs(bend)))
+            if fall != 0.0:
+                wide = min(wide, 4.0 * e / abs(fall))
+            if not t + step > t or step < LEAST * wide:
+                flags = GRAZE | AMBIGUOUS
+                doubt, step = t, max(wide, 4.0 * EPS * t)
+                if not t + step > t:
+                    what, step, flags = HIT, 0.0, flags | TOO_MANY_IMPACTS
+        t += step
+    return (what, t, late, flags, doubt), (h, dh, sign * bend, sign * c3, reach)
 
 
 def crossing(
@@ -102,91 +181,59 @@ def crossing(
     d = (dx, dy) at t = 0 is the ball's place as seen from the centre. Infinity for never before ``end``. ``fresh``: it
     is at 0 and rises at ``begin``. Without it h >= 0 is known there, up to rounding.
     """
-    a4, size2, t, doubt, flags = 0.25 * g * g, size * size, begin, INFINITY, OK
+    t, doubt, flags = begin, INFINITY, OK
     for _ in range(LOOKS):
-        now = vy - g * t
-        x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t
-        fast = abs(vx) + abs(vy) + g * t
-        far = abs(dx) + abs(dy) + fast * t
-        h, dh = sign * (x * x + y * y - size2), sign * 2.0 * (x * vx + y * now)
-        bend, c3, w = vx * vx + now * now - g * y, -g * now, end - t
-        e, d = GAP * EPS * (far * (abs(x) + abs(y)) + size2), GAP * EPS * far * fast
-        b = GAP * EPS * (fast * fast + g * (far + size))
-        if not (e < INFINITY and b < INFINITY):
-            return t, 0.0, flags | DIVERGED
-        if sign < 0.0 and fast + g > 0.0:  # it is inside, and does not stay there
-            w = min(w, 2.0 * size / sqrt(vx * vx + now * now + g * size))
-        if fresh:
-            low, fall = 0.0, max(dh - d, 0.5 * dh)
-        else:
-            up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
-            if h < -e and doubt < INFINITY and rate >= 0.0:  # through and back, by less than can be decided
-                return doubt, t - doubt, flags
-            if rate < 0.0:
-                near = min(4.0 * max(up, 0.0) / -rate, w)
-                most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
-                most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
-                D = rate * rate - 4.0 * most * up
-                reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
-                if up <= 0.0 and doubt < INFINITY:
-                    return doubt, t - doubt, flags
-                if up <= 0.0 or reach <= near:
-                    late, s = (e + d * near) / -rate + 4.0 * EPS * t, 0.0
-                    if h > 0.0:
-                        s = landing(h, dh, sign * bend, sign * c3, sign * a4, reach)
-                    return t + s, late, flags
-        least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
-        k = sign * bend + least - b
-        step = safe_step(low, fall, k) * (1.0 - GAP * EPS) - 2.0 * EPS * t
-        if step >= w:
-            if t + w >= end:
-                return INFINITY, 0.0, flags
-            step = w
-        if low > 0.0:
-            doubt = INFINITY
-        if not t + step > t or (low < e and not fresh):
-            wide = 2.0 * sqrt(e / (abs(k) + abs(bend)))
-            if fall != 0.0:
-                wide = min(wide, 4.0 * e / abs(fall))
-            if not t + step > t or step < LEAST * wide:
-                flags |= GRAZE | AMBIGUOUS
-                doubt, step = t, max(wide, 4.0 * EPS * t)
-                if not t + step > t:
-                    return t, 0.0, flags | TOO_MANY_IMPACTS
-        t, fresh = t + step, False
+        (what, t, late, said, doubt), (h, dh, k, c3, reach) = look(dx, dy, vx, vy, g, size, sign, t, fresh, end, doubt)
+        flags |= said
+        if what == MISSED:
+            return INFINITY, 0.0, flags
+        if what == HIT:
+            return t, late, flags
+        if what == NEAR:
+            return t + landing(h, dh, k, c3, sign * 0.25 * g * g, reach), late, flags
+        fresh = False
     return t, 0.0, flags | TOO_MANY_SWINGS
 
 
 @inlined
+def face_root(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
+    """Return what :func:`face_crossing` does but for flights that hardly come down to 0: those are PRESSED."""
+    if fresh and rests(dh, k, e):
+        return 0.0, 0.0, STUCK
+    D = dh * dh - 4.0 * k * h
+    unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
+    if k >= 0.0 and (fresh or dh >= 0.0):
+        return INFINITY, 0.0, OK
+    if not fresh and h < -e and (k >= 0.0 or dh <= 0.0 or D < 0.0):
+        return INFINITY, 0.0, OK
+    if not fresh and k > 0.0 and D <= unsure:
+        return INFINITY, 0.0, OK if D < -unsure else GRAZE | AMBIGUOUS
+    if not fresh and not D > 2.0 * unsure:  # sqrt(D - unsure) > 0.7 root beyond
+        return 0.0, 0.0, PRESSED
+    root = dh if fresh else sqrt(D)
+    down = dh < 0.0 and not fresh
+    t = max((2.0 * h if down else -(dh if fresh else 0.5 * (dh + root))) / (root - dh if down else k), 0.0)
+    late = (e if fresh else 1.5 * (e + d * t)) / root
+    return t, late if fresh else late + 4.0 * EPS * t, OK
+
+
 def face_crossing(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
     """Return (t, late, flags): when h + dh t + k t^2, good to e and d per time, comes down to 0 after 0.
 
     Infinity for never. h < 0 is allowed: it is behind the line, and may come before it and back.
     """
-    if fresh:
-        if rests(dh, k, e):
-            return 0.0, 0.0, STUCK
-        return (-dh / k, e / dh, OK) if k < 0.0 else (INFINITY, 0.0, OK)
-    if (k >= 0.0 and dh >= 0.0) or (h < -e and (k >= 0.0 or dh <= 0.0)):
-        return INFINITY, 0.0, OK
-    D = dh * dh - 4.0 * k * h
+    t, late, said = face_root(h, dh, k, e, d, fresh)
+    if said != PRESSED:
+        return t, late, said
     unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
-    if k > 0.0 and D <= unsure:
-        return INFINITY, 0.0, OK if D < -unsure else GRAZE | AMBIGUOUS
-    if D < 0.0 and h < -e:
-        return INFINITY, 0.0, OK
-    root = sqrt(max(D, 0.0))
-    t = max(2.0 * h / (root - dh) if dh < 0.0 else -(dh + root) / (2.0 * k), 0.0)
-    if D > 2.0 * unsure:  # sqrt(D - unsure) > 0.7 root
-        return t, 1.5 * (e + d * t) / root + 4.0 * EPS * t, OK
-    # pressed against it, or hardly moving at all
+    root = sqrt(max(dh * dh - 4.0 * k * h, 0.0))  # pressed against it, or hardly moving at all
+    t = max(2.0 * h / (root - dh) if dh < 0.0 else -0.5 * (dh + root) / k, 0.0)
     return t, 3.0 * sqrt(unsure) / -k if k < 0.0 else t - max(h - e, 0.0) / (d - dh), OK
 
 
 @inlined
-def first_step(x: float, y: float, vx: float, vy: float, g: float, row: Any, fresh: bool, least: float) -> Any:
+def first_step(dx: float, dy: float, vx: float, vy: float, g: float, size: float, fresh: bool, least: float) -> Any:
     """Return (step, flags): how long a circle is surely not met; ``least`` is the part of k that all circles share."""
-    dx, dy, size = x - row[PX], y - row[PY], row[SIZE]
     far2, dh = dx * dx + dy * dy, 2.0 * (dx * vx + dy * vy)
     h, k = far2 - size * size, least - g * dy
     e, d = GAP * EPS * (2.0 * far2 + size * size), GAP * EPS * (abs(dx * vx) + abs(dy * vy))

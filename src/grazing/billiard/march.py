@@ -1,7 +1,7 @@
 """The first contact of a ball on a table: no surface can be jumped over. Proof: docs/table.md.
 
-Faces are solved first, as that is quick. The earliest contact known so far is the end of what must be looked at: of a
-circle that is surely free until then nothing more is asked.
+A face is solved first, as that is quick. The earliest contact known so far is the end of what must be looked at: of
+what is surely free until then nothing more is asked.
 """
 
 from __future__ import annotations
@@ -9,13 +9,12 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
+from grazing.billiard.faces import CORNER, STOP, body_of, ended, nearer, of_other_faces, of_some_face
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
 from grazing.billiard.gaps import (
-    DEEP,
     EPS,
     GAP,
     crossing,
-    face_crossing,
     first_step,
     lowest,
     side_contact,
@@ -26,13 +25,10 @@ from grazing.billiard.rows import (
     BARE,
     CIRCLES,
     COSINE,
-    EX,
-    EY,
     FACES,
     FLIPPERS,
     GRAVITY,
     HEAD,
-    LONG,
     MX,
     MY,
     OWNER,
@@ -47,36 +43,11 @@ from grazing.billiard.rows import (
 )  # fmt: skip
 from grazing.billiard.turning import of_flipper
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, STUCK, TOO_MANY_IMPACTS
+from grazing.outcome import DIVERGED, FATAL, OK, TOO_MANY_IMPACTS
 
 INFINITY = float("inf")
-#: Flags with which the search for a contact ends.
-STOP = FATAL | STUCK
 #: Sizes and speeds beyond which a gap, of their fourth powers, leaves the range of doubles.
 LEAST, MOST = 1e-60, 1e60
-#: Errors of a gap within which a ball without a radius is in a corner.
-CORNER = 4.0
-
-
-@inlined
-def nearer(found: Any, surface: int, owner: float, t: float, late: float) -> Any:
-    """Return the earlier of what was found and another contact, ambiguous if their order is not sure.
-
-    ``found`` is (surface, time, how late that may be, object, flags). Two surfaces of one object are the same contact:
-    a face ends where the circle around its end begins.
-    """
-    hit, best, slack, who, flags = found
-    if hit >= 0 and who != owner and abs(t - best) <= late + slack:
-        flags |= AMBIGUOUS
-    if t < best:
-        return surface, t, late, owner, flags
-    return hit, best, slack, who, flags
-
-
-@inlined
-def ended(found: Any, surface: int, t: float, flags: int) -> Any:
-    """Return what was found where a flight ends by name."""
-    return surface, t, 0.0, -1.0, found[4] | flags
 
 
 def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: float, table: Any) -> Any:
@@ -111,7 +82,8 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: 
     if slid and last >= 0:
         off = last
         found = back_on(found, off, x, y, vx, vy, g, faces, circles, rows)
-    found = of_faces(found, x, y, vx, vy, g, last, slid, faces, circles, rows)
+    if not slid:
+        found = of_some_face(found, x, y, vx, vy, g, last, faces, rows)
     if not found[4] & STOP:
         rows = behind(rows, WIDTH * faces)
         found = of_circles(found, x, y, vx, vy, g, last, off, 2 * faces, circles, rows)
@@ -121,15 +93,9 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: 
     if table[FLIPPERS] > 0.0 and not found[4] & STOP:
         rows = behind(rows, WIDTH * int(table[SIDES]))
         found = of_flippers(found, x, y, vx, vy, g, turns, slid, surfaces, clock, int(table[FLIPPERS]), rows)
+    if not found[4] & STOP:
+        found = of_other_faces(found, x, y, vx, vy, g, last, slid, faces, circles, start)
     return found[0], found[1], found[4]
-
-
-@inlined
-def beside_face(row: Any, sign: float, x: float, y: float, vx: float, vy: float) -> Any:
-    """Say whether a ball that slides off something slides off the end of a side of a face, too."""
-    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
-    h, e = sign * (ey * dx - ex * dy) - row[SIZE], GAP * EPS * (abs(dx) + abs(dy) + row[SIZE])
-    return touches(h, ey * vx - ex * vy, e, abs(vx) + abs(vy))
 
 
 @inlined
@@ -160,30 +126,6 @@ def back_on(
 
 
 @inlined
-def body_of(surface: int, faces: int, circles: int, rows: Any) -> Any:
-    """Return a point of what lies at a surface: in a corner it says on which side of the other one the ball is."""
-    if surface < 0:
-        return 0.0, 0.0
-    if surface < 2 * faces:
-        row = behind(rows, WIDTH * (surface // 2))
-        return row[PX] + 0.5 * row[LONG] * row[EX], row[PY] + 0.5 * row[LONG] * row[EY]
-    row = behind(rows, WIDTH * (surface - faces))
-    far = row[SIZE] if surface >= 2 * faces + circles else 0.0
-    return row[PX] + far * row[MX], row[PY] + far * row[MY]
-
-
-@inlined
-def face_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
-    """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-."""
-    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
-    e = CORNER * GAP * EPS * (abs(dx) + abs(dy))
-    way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
-    if abs(way) <= e:  # one line goes on as the other: it leaves both
-        way = ey * vx - ex * vy
-    return abs(ey * dx - ex * dy) <= e, way
-
-
-@inlined
 def side_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
     """Return (passed, comes): whether a ball without a radius is on the circle of an arc, but not on this side of it.
 
@@ -194,54 +136,6 @@ def side_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -
     on = abs(far2 - size * size) <= CORNER * GAP * EPS * (far2 + size * size)
     passed = on and sign * (bx * bx + by * by - size * size) < 0.0
     return passed, passed and sign * (dx * vx + dy * vy) > 0.0
-
-
-def of_faces(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, faces: int, circles: int,
-    rows: Any,
-) -> Any:  # fmt: skip
-    """Return the first contact with a face, or what was found before that.
-
-    A ball without a radius that has just left something where a face begins is on the line of that face: it is on the
-    side on which the body of the other one is.
-    """
-    for i in range(faces):
-        if slid and last >= 0 and last // 2 == i:  # it has no radius, and is beyond its end
-            continue
-        row = behind(rows, WIDTH * i)
-        dx, dy, ex, ey, size = x - row[PX], y - row[PY], row[EX], row[EY], row[SIZE]
-        off, rate, k = ey * dx - ex * dy, ey * vx - ex * vy, 0.5 * g * ex  # along the right normal
-        spread, speed = abs(dx) + abs(dy) + size, abs(vx) + abs(vy)
-        e, d = GAP * EPS * spread, GAP * EPS * speed
-        deep = size - abs(off) - DEEP * e
-        foot = ex * dx + ey * dy
-        if deep > 0.0 and foot > e and foot < row[LONG] - e and last // 2 != i:
-            return ended(found, 2 * i, 0.0, INSIDE_WALL)
-        corner, way = False, 0.0
-        if size == 0.0 and last >= 0 and abs(off) <= CORNER * e and last // 2 != i:
-            corner, way = face_corner(row, x, y, vx, vy, body_of(last, faces, circles, rows))
-        for side in range(2):
-            sign, surface, fresh = 2.0 * side - 1.0, 2 * i + side, last == 2 * i + side
-            if size == 0.0 and last == 2 * i + 1 - side:
-                continue  # both sides are one line, and it leaves that from the other one
-            if (corner and sign * way < 0.0) or (slid and beside_face(row, sign, x, y, vx, vy)):
-                continue
-            h = max(sign * off, 0.0) if corner else sign * off - size
-            t, late, said = face_crossing(h, sign * rate, sign * k, e, d, fresh)
-            if said & STUCK:
-                return ended(found, surface, 0.0, said)
-            if said & GRAZE:
-                found = found[0], found[1], found[2], found[3], found[4] | said
-            if t == INFINITY or t > found[1] + found[2] + late:
-                continue
-            foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
-            unsure = GAP * EPS * (spread + (speed + g * t) * t) + (speed + g * t) * late
-            if foot < -unsure or foot > row[LONG] + unsure:
-                continue
-            found = nearer(found, surface, row[OWNER], t, late)
-            if size == 0.0 and (foot < unsure or foot > row[LONG] - unsure):  # no circle is around that end
-                found = found[0], found[1], found[2], found[3], found[4] | AMBIGUOUS
-    return found
 
 
 def of_circles(
@@ -257,7 +151,8 @@ def of_circles(
     for i in range(circles):
         if off == base + i:
             continue
-        step, said = first_step(x, y, vx, vy, g, behind(rows, WIDTH * i), last == base + i, least)
+        row = behind(rows, WIDTH * i)
+        step, said = first_step(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], last == base + i, least)
         if said:
             return ended(found, base + i, 0.0, said)
         if step < soonest:
@@ -268,7 +163,7 @@ def of_circles(
             continue
         row, step, end = behind(rows, WIDTH * i), soonest, found[1] + found[2]
         if n > 0:
-            step, _said = first_step(x, y, vx, vy, g, row, last == base + i, least)
+            step, _said = first_step(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], last == base + i, least)
             if not step < end:
                 continue
         t, late, said = crossing(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], 1.0, step, False, end)

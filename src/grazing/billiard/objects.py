@@ -12,7 +12,7 @@ from typing import Any
 from grazing.copies import ByValue
 from grazing.oscillator.reset import KNOWN, Reset
 from grazing.outcome import InputError, shown
-from grazing.parameter import Parameter, checked_params, real
+from grazing.parameter import Parameter, checked_params, in_order, real
 
 DISC, SEGMENT, ARC, DRAIN, FLIPPER = "disc", "segment", "arc", "drain", "flipper"
 X, Y = (Parameter(name, name, f"{name} of the centre", units="m") for name in "xy")
@@ -128,12 +128,12 @@ class Thing(ByValue):
 def two_of(value: Any) -> list[Any]:
     """Return what a point holds, two things; any other number of things for what is no point."""
     try:
-        return [] if isinstance(value, str) else list(islice(iter(value), 3))
+        return [] if isinstance(value, str) else list(islice(iter(in_order(value)), 3))
     except Exception:  # of whatever object was given
         return []
 
 
-def _point(value: Any, name: str, what: str) -> tuple[float, float]:
+def point_of(value: Any, name: str, what: str) -> tuple[float, float]:
     """Return a point as two floats, or raise InputError."""
     pair = two_of(value)
     if len(pair) != 2:
@@ -143,7 +143,7 @@ def _point(value: Any, name: str, what: str) -> tuple[float, float]:
 
 
 def _ends(name: str, start: Any, stop: Any) -> dict[str, float]:
-    (x1, y1), (x2, y2) = _point(start, name, "start"), _point(stop, name, "stop")
+    (x1, y1), (x2, y2) = point_of(start, name, "start"), point_of(stop, name, "stop")
     return {"x1": x1, "y1": y1, "x2": x2, "y2": y2}
 
 
@@ -176,7 +176,7 @@ def disc(name: str, centre: Sequence[float], radius: float, law: Reset) -> Thing
     >>> gz.disc("bumper1", (2, 6), 0.5, gz.active(r=0.9, V=0.4))
     disc('bumper1', x=2, y=6, radius=0.5, active(r=0.9, V=0.4))
     """
-    x, y = _point(centre, name, "centre")
+    x, y = point_of(centre, name, "centre")
     return Thing(name, DISC, {"x": x, "y": y, "radius": radius}, law)
 
 
@@ -241,7 +241,7 @@ def arc(name: str, centre: Sequence[float], radius: float, start: float, stop: f
     >>> gz.arc("dome", (3, 7), 3.0, 0.0, 3.14, gz.newton(0.9))
     arc('dome', x=3, y=7, radius=3, start=0, stop=3.14, newton(r=0.9))
     """
-    x, y = _point(centre, name, "centre")
+    x, y = point_of(centre, name, "centre")
     return Thing(name, ARC, {"x": x, "y": y, "radius": radius, "start": start, "stop": stop}, law)
 
 
@@ -287,7 +287,7 @@ def flipper(
     >>> gz.flipper("left", (1, 1), 1.5, (0.2, 0.1), -0.5, 0.5, gz.newton(0.8), up=14, down=8)
     flipper('left', x=1, y=1, length=1.5, hub=0.2, tip=0.1, rest=-0.5, raised=0.5, up=14, down=8, newton(r=0.8))
     """
-    x, y = _point(pivot, name, "pivot")
+    x, y = point_of(pivot, name, "pivot")
     both = two_of(radius)
     hub, tip = both if len(both) == 2 else (radius, radius)
     shape: dict[str, Any] = {"x": x, "y": y, "length": length, "hub": hub, "tip": tip}

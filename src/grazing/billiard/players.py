@@ -71,6 +71,8 @@ class Flips(ByValue):
     ``hold`` and ``phase`` are numbers for all flippers, or by their names.
     """
 
+    drains = ()
+
     period: float
     hold: float | Mapping[str, float]
     phase: float | Mapping[str, float]
@@ -95,7 +97,7 @@ class Flips(ByValue):
         for known in (HOLD, PHASE):
             given = getattr(self, known.name)
             if isinstance(given, Mapping):
-                _refuse_others(given, names, known.name)
+                refuse_others(given, names, known.name)
                 if missing := [name for name in names if name not in given]:
                     raise InputError(
                         f"{known.name} has nothing for the flipper {missing[0]!r}; give one number for all"
@@ -154,6 +156,8 @@ class Flips(ByValue):
 class Presses(ByValue):
     """Buttons that are pressed and released at given times; made by :func:`presses`."""
 
+    drains = ()
+
     times: Mapping[str, tuple[float, ...]]
 
     def __post_init__(self) -> None:
@@ -169,7 +173,7 @@ class Presses(ByValue):
 
     def bound(self, names: Sequence[str]) -> Presses:
         """Return the player of these flippers."""
-        _refuse_others(self.times, names, "presses")
+        refuse_others(self.times, names, "presses")
         return self
 
     def describe(self, _name: str) -> Parameter | None:
@@ -185,11 +189,11 @@ class Presses(ByValue):
         return 0.0, pieces_of(shape, self.times.get(name, ()))
 
 
-Player = Flips | Presses
 NOBODY = Presses({})
 
 
-def _refuse_others(given: Iterable[str], names: Sequence[str], what: str) -> None:
+def refuse_others(given: Iterable[str], names: Sequence[str], what: str) -> None:
+    """Raise InputError for names of no flipper."""
     for name in given:
         if name not in names:
             raise InputError(

@@ -25,7 +25,8 @@ from numpy.typing import NDArray
 
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, PIECE_WIDTH, PIECES, piece_row, places_of, row_of
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
-from grazing.billiard.players import NOBODY, Player
+from grazing.billiard.players import NOBODY
+from grazing.billiard.strategy import Player
 from grazing.kernel.elementary import sincos
 
 Floats = NDArray[np.float64]

@@ -5,25 +5,28 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import partial
-from math import atan2, cos, hypot, inf, pi, sin
+from math import inf, pi
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.flippers import distance_from, least_on_line, tightest
+from grazing.billiard.distance import SLACK, crosses, distance, room_of
+from grazing.billiard.flippers import tightest
 from grazing.billiard.flown import table_trajectory
 from grazing.billiard.laws import addresses
 from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
-from grazing.billiard.players import NOBODY, Flips, Player, Presses, angle_at
+from grazing.billiard.players import NOBODY, Flips, Presses, angle_at
+from grazing.billiard.plunger import KNOWN, Plunger
 from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, gravity_of, surfaces_of
+from grazing.billiard.strategy import Player, Strategy
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import Parameter, checked_params, unknown, updated
+from grazing.parameter import Parameter, checked_params, checked_text, unknown, updated
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,8 +41,6 @@ COORDINATES = ("x", "y", "vx", "vy")
 AWAY = "away"
 #: Objects of a table, and flippers among them: each is held against every other.
 MOST_OBJECTS, MOST_FLIPPERS = 2_000, 20
-#: Objects that touch may overlap by so much of their size: rounding.
-SLACK = 1e-12
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +54,7 @@ class Table(ByValue):
         :func:`grazing.drain`.
     rho, g, tilt : float
     player : Player
+    plunger : Plunger or None
         See :func:`table`.
     """
 
@@ -61,6 +63,7 @@ class Table(ByValue):
     g: float
     tilt: float
     player: Player = NOBODY
+    plunger: Plunger | None = None
     params: Mapping[str, float] = field(init=False, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -85,10 +88,13 @@ class Table(ByValue):
         for name, known in OWN.items():
             object.__setattr__(self, name, known.check(getattr(self, name)))
         if not isinstance(self.player, Player):
-            raise InputError(f"player is {shown(self.player)}; give gz.flips(period, hold) or gz.presses(name=times)")
+            raise InputError(f"player is {shown(self.player)}; give gz.flips, gz.presses or gz.strategy")
         if self.player != NOBODY and not any(one.kind == FLIPPER for one in objects):
             raise InputError("there is a player, but the table has no flipper; put a gz.flipper on it")
         object.__setattr__(self, "player", self.player.bound([one.name for one in objects if one.kind == FLIPPER]))
+        for gate in self.player.drains:
+            if gate.name in names:
+                raise InputError(f"an object is called {gate.name!r}, as a gate of the strategy is; rename it")
         params = {name: getattr(self, name) for name in OWN}
         for one in objects:
             params |= {f"{one.name}.{name}": value for name, value in one.params.items()}
@@ -96,15 +102,23 @@ class Table(ByValue):
             if name in params:
                 raise InputError(f"{name} is a parameter of the player; rename that of the law")
             params[name] = value
+        if not (self.plunger is None or isinstance(self.plunger, Plunger)):
+            raise InputError(f"plunger is {shown(self.plunger)}; give gz.plunger((x, y), angle, slow, fast)")
+        for name, value in self.plunger.params.items() if self.plunger else ():
+            if name in params:
+                raise InputError(f"{name} is a parameter of the plunger; rename the object")
+            params[name] = value
         _refuse_same_in_code(checked_params(params))
         object.__setattr__(self, "params", MappingProxyType(params))
         self._refuse_out_of_range()
         self._refuse_overlaps()
         self.angles(0.0)  # a motion that is none is refused
         self._refuse_stopped_flippers()
+        if self.plunger:
+            self.refuse_inside(self.plunger.x, self.plunger.y)
 
     def __reduce__(self) -> Any:
-        return Table, (self.objects, self.rho, self.g, self.tilt, self.player)
+        return Table, (self.objects, self.rho, self.g, self.tilt, self.player, self.plunger)
 
     def __repr__(self) -> str:
         own = ", ".join(f"{name}={getattr(self, name):g}" for name in OWN)
@@ -125,7 +139,7 @@ class Table(ByValue):
         """The period of its flippers, 0 if they do not move, or infinity if what they do is not repeated."""
         if isinstance(self.player, Flips):
             return self.player.period
-        return inf if self.player.times else 0.0
+        return inf if self.player.times or self.player.drains else 0.0
 
     @property
     def config(self) -> dict[str, str]:
@@ -133,7 +147,8 @@ class Table(ByValue):
         laws = [one.law for one in self.objects if one.law is not None and one.law.own]
         own = ", ".join(f"{law.name} {digest(law.law)[:16]}" for law in laws)
         recorded = self.player.times if isinstance(self.player, Presses) else {}
-        return ({"law": own} if own else {}) | ({"presses": repr(dict(recorded))} if recorded else {})
+        asked = {"strategy": self.player.config} if isinstance(self.player, Strategy) else {}
+        return ({"law": own} if own else {}) | ({"presses": repr(dict(recorded))} if recorded else {}) | asked
 
     def replace(self, **changes: float) -> Table:
         """Return the table with other parameter values; names as in :attr:`params`.
@@ -149,12 +164,12 @@ class Table(ByValue):
         """Return the table at values of all its parameters."""
         objects = [one.replaced({name: params[f"{one.name}.{name}"] for name in one.params}) for one in self.objects]
         rho, g, tilt = (params[name] for name in OWN)
-        return Table(objects, rho, g, tilt, self.player.at(params))
+        return Table(objects, rho, g, tilt, self.player.at(params), self.plunger and Plunger.at(params))
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter."""
-        if name in OWN:
-            return OWN[name]
+        if checked_text(name) in OWN or (self.plunger and name in KNOWN):
+            return (OWN | KNOWN)[name]
         front, _dot, last = name.partition(".")
         for one in self.objects:
             known = one.describe(last) if one.name == front else None
@@ -164,18 +179,22 @@ class Table(ByValue):
             return known
         raise unknown(name, self.params, "the table")
 
-    def blocks(self, rows: Floats, arithmetic: str = "strict") -> Floats:
+    def blocks(self, rows: Floats, arithmetic: str = "strict", player: Player | None = None) -> Floats:
         """Return the numbers that kernels get, one block in a row for each row of parameters.
+
+        Gates of a strategy stand in it as drains behind all objects; ``player`` is what it has done so far.
 
         ``rows`` (columns, parameters) are values in the order of :attr:`params`. A block points into itself: it must
         live as long as it is used.
         """
-        names, n = list(self.params), len(self.objects)
+        names, n, gates = list(self.params), len(self.objects), self.player.drains
+        fixed = {f"{gate.name}.{name}": value for gate in gates for name, value in gate.shape.items()}
         found = []
         for row in rows:
-            values = dict(zip(names, row.tolist(), strict=True))
-            surfaces = surfaces_of(self.objects, values["rho"], values, self.player)
-            block = block_of(self.objects, surfaces, gravity_of(values["g"], values["tilt"]))
+            values = dict(zip(names, row.tolist(), strict=True)) | fixed
+            things = (*self.objects, *gates)
+            surfaces = surfaces_of(things, values["rho"], values, self.player if player is None else player)
+            block = block_of(things, surfaces, gravity_of(values["g"], values["tilt"]))
             found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
         first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
         laws = np.array([addresses(one.law, arithmetic) for one in self.objects])
@@ -231,12 +250,14 @@ class Table(ByValue):
 
     def _refuse_out_of_range(self) -> None:
         lengths = [abs(x) for one in self.objects for x in one.lengths]
+        radii = [self.rho, *(one.shape.get(name, 0.0) for one in self.objects for name in ("radius", "hub", "tip"))]
         speeds = [max(one.shape[way] for way in ("up", "down")) for one in self.objects if one.kind == FLIPPER]
-        largest = (
+        sizes = (
             ("the largest length", max(self.rho, *lengths)),
+            ("the smallest radius", min(filter(None, radii), default=0.0)),
             ("the largest angular speed", max(speeds, default=0.0)),
         )
-        for what, size in (*largest, ("g sin(tilt)", self.gravity)):
+        for what, size in (*sizes, ("g sin(tilt)", self.gravity)):
             if size != 0.0 and not LEAST <= size <= MOST:
                 raise InputError(
                     f"{what} of the table is {size:g}; allowed are {LEAST:g} to {MOST:g}: choose other units, as "
@@ -274,52 +295,6 @@ class Table(ByValue):
                     raise InputError(f"{other.name} and {one.name} cross; let one end at the other")
 
 
-def distance(one: Thing, x: float, y: float, angle: float = 0.0) -> float:
-    """Return how far a point is from an object, negative inside a disc or a flipper; that is at an angle."""
-    shape = one.shape
-    if one.kind == FLIPPER:
-        return distance_from(shape, x, y, angle)
-    if one.kind == DISC:
-        return hypot(x - shape["x"], y - shape["y"]) - shape["radius"]
-    if one.kind == ARC:
-        dx, dy, radius = x - shape["x"], y - shape["y"], shape["radius"]
-        if (atan2(dy, dx) - shape["start"]) % (2.0 * pi) <= shape["stop"] - shape["start"]:
-            return abs(hypot(dx, dy) - radius)
-        return min(hypot(dx - radius * cos(a), dy - radius * sin(a)) for a in (shape["start"], shape["stop"]))
-    dx, dy, length = x - shape["x1"], y - shape["y1"], hypot(shape["x2"] - shape["x1"], shape["y2"] - shape["y1"])
-    ex, ey = (shape["x2"] - shape["x1"]) / length, (shape["y2"] - shape["y1"]) / length
-    along = min(max(dx * ex + dy * ey, 0.0), length)
-    return hypot(dx - along * ex, dy - along * ey)
-
-
-def room_of(flipper: Thing, other: Thing, angle: float) -> float:
-    """Return how far a flipper at an angle is from a disc, a segment or an arc."""
-
-    def of(x: float, y: float) -> float:
-        return distance_from(flipper.shape, x, y, angle)
-
-    shape = other.shape
-    if other.kind == DISC:
-        return of(shape["x"], shape["y"]) - shape["radius"]
-    if other.kind == SEGMENT:
-        return least_on_line(of, tuple(shape.values()))
-    return min(of(x, y) for x, y in outline_of(other).points.tolist())
-
-
-def crosses(one: Thing, other: Thing) -> bool:
-    """Say whether two segments cross between their ends."""
-
-    def sides(a: Thing, b: Thing) -> float:
-        p, q = a.shape, b.shape
-        length = hypot(p["x2"] - p["x1"], p["y2"] - p["y1"])
-        ex, ey = (p["x2"] - p["x1"]) / length, (p["y2"] - p["y1"]) / length
-        size = hypot(q["x1"] - p["x1"], q["y1"] - p["y1"]) + hypot(q["x2"] - p["x1"], q["y2"] - p["y1"])
-        one, two = (ex * (q[f"y{i}"] - p["y1"]) - ey * (q[f"x{i}"] - p["x1"]) for i in (1, 2))
-        return 1.0 if min(abs(one), abs(two)) <= SLACK * size or (one > 0.0) == (two > 0.0) else -1.0
-
-    return sides(one, other) < 0.0 and sides(other, one) < 0.0
-
-
 def padded(blocks: Sequence[Floats]) -> Floats:
     """Return blocks as rows of one array: a table may have fewer surfaces at some parameters."""
     found = np.zeros((len(blocks), max(map(len, blocks), default=0)))
@@ -340,7 +315,8 @@ def _refuse_same_in_code(params: Mapping[str, float]) -> None:
 
 
 def table(
-    objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: float = 0.0, player: Player = NOBODY
+    objects: Sequence[Thing], rho: float = 0.0, g: float = 1.0, tilt: float = 0.0, player: Player = NOBODY,
+    plunger: Plunger | None = None,
 ) -> Table:  # fmt: skip
     """Return a pinball table: a ball on a plane, and what it hits.
 
@@ -363,12 +339,14 @@ def table(
     player : Player
         Who works the flippers: :func:`grazing.flips`, which makes the table periodic in time, or a recording,
         :func:`grazing.presses`. Default: nobody, they stay at rest.
+    plunger : Plunger, optional
+        Where balls are launched: :func:`grazing.plunger`.
 
     Returns
     -------
     Table
-        Frozen; ``params`` are ``rho``, ``g``, ``tilt`` and those of the objects, as ``bumper1.V``; ``replace`` changes
-        them.
+        Frozen; ``params`` are ``rho``, ``g``, ``tilt`` and those of the objects, as ``bumper1.V``, of the player and
+        of the plunger; ``replace`` changes them.
 
     Raises
     ------
@@ -387,4 +365,4 @@ def table(
     >>> flown.impact_wall.values.tolist(), flown.outcome
     (['bumper', 'right', 'left'], 'escaped')
     """
-    return Table(objects, rho, g, tilt, player)
+    return Table(objects, rho, g, tilt, player, plunger)

@@ -79,6 +79,9 @@ class Study:
     prove: Callable[[Any, Any], list[Row]] | None = None
     #: Whether it is a study of orbits and branches: its tables then stand beside the summary.
     orbits: bool = False
+    #: Of one of the model: whether it is offered for pinball tables as well. Whether it is of these alone.
+    tables: bool = False
+    tables_only: bool = False
     #: Whether its result is a motion that can be heard.
     sounds: bool = False
 

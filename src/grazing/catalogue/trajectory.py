@@ -35,6 +35,8 @@ def found(result: Any) -> Row:
         "rests": lies,
         "chatter": bool(result.attrs.get("chatter", 0)),
         "trust": str(result["trust"].values),
+        "exit": str(result["exit"].values) if "exit" in result else "",
+        "end": float(t[-1]),
     }
     if said["impacts"]:
         speeds = result["impact_speed"].values if "impact_speed" in result else -result["v_minus"].values
@@ -56,6 +58,8 @@ def words(found: Row, *_of: Any) -> list[str]:
     said += aligned([headed("impact at t", t), headed("v before", v), headed("v after", v)], rows) if rows else []
     if count > len(rows):
         said.append(f"and {count - len(rows)} more; speeds before impact {between(found['speeds'])} {v}".rstrip())
+    if found["exit"]:
+        said.append(f"left by {found['exit']} at t = {short(found['end'])}")
     if found["chatter"]:
         said.append("chatter: impacts without end in a finite time, completed in closed form")
     if found["rests"]:
@@ -72,5 +76,5 @@ STUDY = Study(
     help="Follow the ball in continuous time, with every impact.",
     example="u=0.1 v=0 --until 50 -o orbit.png",
     prints="the number of impacts and the first five, chatter, rests on the wall, whether it is certified",
-    found=found, words=words,
+    found=found, words=words, tables=True,
 )  # fmt: skip

@@ -37,6 +37,7 @@ RESULTS = {
     "plot": ("grazing.cli.plot:plot", "Draw any stored result."),
     "export": ("grazing.cli.export:export", "Write a stored result as tables (csv, parquet) or in one file (nc)."),
     "info": ("grazing.cli.info:info", "Tell what a file is, and the command that makes it again."),
+    "table": ("grazing.cli.table:table", "Tell what stands on a pinball table, and draw it."),
     "explore": ("grazing.cli.explore:explore", "Explore in a browser, which computes by the same kernels."),
     "config": ("grazing.cli.configuration:app", "Print the schema of configuration files, or what one says."),
 }

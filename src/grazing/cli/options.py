@@ -17,7 +17,6 @@ from grazing.catalogue.study import COORDINATE, Study
 from grazing.cli.whole import all_as_written, as_written
 from grazing.config import checked
 from grazing.config.command import KEYS
-from grazing.config.files import read_toml
 from grazing.config.maps import names_of, parameter_defaults
 from grazing.config.own import KEYS as CODE
 from grazing.config.own import Named, is_own, located, refuse_unnamed
@@ -26,6 +25,9 @@ from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.schema import MAPS, config_of
 from grazing.config.settings import settings_of, text_of
 from grazing.config.si import gaps_asked
+from grazing.config.tabled import usual_map
+from grazing.config.tables import shipped
+from grazing.config.toml import read_toml
 from grazing.config.values import DEFAULT, other_range
 from grazing.config.walls import flat, last_of
 from grazing.outcome import GrazingError
@@ -50,9 +52,9 @@ METAVARS = {
 #: Options that may be repeated.
 SEVERAL = ("curves",)
 #: Keys that a study of the oscillator itself has.
-OF_MODEL = ("model", "law", "walls", "mass", "base", "stop", "si", "units")
+OF_MODEL = ("table", "model", "law", "walls", "mass", "base", "stop", "si", "units")
 #: Options whose values are files, and those for which completion offers words though others are allowed.
-FILES, OFFERED = ("model",), {"map": tuple(MAPS)}
+FILES, OFFERED = ("model",), {"map": tuple(MAPS), "table": tuple(shipped())}
 
 
 def flag(name: str) -> str:
@@ -207,7 +209,10 @@ def asked_from(
         With every error that there is.
     """
     mapping = read_toml(file) if file else {}
-    mapping |= {key: flat(mapping[key]) for key in ("parameters", "vary") if key in mapping}
+    tabled = "table" in mapping or options.get("table") is not None
+    mapping |= {key: flat(mapping[key], tabled) for key in ("parameters", "vary") if key in mapping}
+    if file and isinstance(mapping.get("table"), str) and mapping["table"] not in shipped():
+        mapping["table"] = os.path.join(os.path.dirname(file), mapping["table"])
     for key in CODE:  # a file's own files lie beside it, those of the command line where we stand
         if file and isinstance(mapping.get(key), str) and is_own(mapping[key]):
             mapping[key] = located(mapping[key], os.path.dirname(file))
@@ -313,6 +318,8 @@ def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     study = studies()[mapping["study"]]
     if not study.single and study.varies != COORDINATE:
         return []
+    if isinstance(mapping.get("table"), str):
+        return names_of_table(mapping)
     if study.flown and not isinstance(mapping.get("model"), Named):
         return ["u", "v"]
     asked = {key: mapping[key] for key in ("map", "model") if isinstance(mapping.get(key), str)}  # nothing else counts
@@ -321,4 +328,13 @@ def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     try:
         return names_of(asked)[1]
     except (GrazingError, AssertionError):
+        return []
+
+
+def names_of_table(mapping: Mapping[str, Any]) -> list[str]:
+    """Return the coordinates of the map of a table; what is wrong with it is said later."""
+    kind = mapping.get("map") or usual_map(mapping["study"])
+    try:
+        return names_of({"map": kind, "table": mapping["table"]})[1]
+    except GrazingError:
         return []

@@ -12,7 +12,7 @@ from grazing.measured import downwards
 from grazing.outcome import InputError, printable
 
 FIGURES = (".png", ".pdf", ".svg")
-STORE, SOUND = ".zarr", ".wav"
+STORE, SOUND, FILM = ".zarr", ".wav", ".gif"
 DATA = (".nc", ".csv", ".parquet")
 ENDINGS = (*FIGURES, *DATA, STORE)
 #: What the endings mean.
@@ -21,6 +21,7 @@ MEANT = (
     (DATA, "nc (result, NetCDF), csv or parquet (tables)"),
     ((STORE,), "zarr (result, computed chunk by chunk and resumable)"),
     ((SOUND,), "wav (the velocity as sound)"),
+    ((FILM,), "gif (of a ball on a table, a film)"),
 )
 
 
@@ -123,6 +124,14 @@ def write(result: Any, path: Path, **style: Any) -> list[str]:
         from grazing.export import to_csv, to_parquet
 
         return [str(file) for file in (to_csv if kind == ".csv" else to_parquet)(result, path)]
+    if kind == FILM:
+        from grazing.measured import of_table
+        from grazing.plot.animation import animate
+        from grazing.plot.trajectory import table_in
+
+        if not of_table(result):
+            raise InputError(f"-o {path}: films are of a ball on a table; give --table, or another ending")
+        return [str(animate(table_in(result), result, path))]
     if kind == SOUND:
         from grazing.signals.sound import audible, to_wav
 

@@ -100,7 +100,13 @@ def command(study: Study) -> Callable[..., int]:
 def endings(study: Study) -> tuple[str, ...]:
     """Return the endings of the files that a study can write."""
     drawn, stored = output.FIGURES if study.drawn_by else (), (output.STORE,) if study.plan else ()
-    return (*drawn, *output.DATA, *stored, *((output.SOUND,) if study.sounds else ()))
+    return (
+        *drawn,
+        *output.DATA,
+        *stored,
+        *((output.SOUND,) if study.sounds else ()),
+        *((output.FILM,) if study.tables else ()),
+    )
 
 
 def compute(

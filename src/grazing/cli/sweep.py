@@ -105,7 +105,7 @@ def run(
     from grazing.catalogue import studies
     from grazing.cli.options import asked_from
     from grazing.config import plan_of
-    from grazing.config.files import read_toml
+    from grazing.config.toml import read_toml
 
     share, pieces = _shard(shard), _chunk(chunk)
     study = read_toml(config).get("study")
@@ -258,7 +258,8 @@ def _plan(store: Path, map: str | None, model: str | None) -> Any:
     """Return the plan of a store that is made of code which this call names; None if it names none."""
     if map is None and model is None:
         return None
-    from grazing.sweep.store import folder_of, open_existing
+    from grazing.sweep.opened import open_existing
+    from grazing.sweep.store import folder_of
     from grazing.sweep.task import plan_from_recipe
 
     found = open_existing(folder_of(store))

@@ -118,6 +118,7 @@ class Local:
     def __init__(self, model: Oscillator, form: NormalForm, N: int, order: str) -> None:
         self.model, self.form, self.N, self.order = model, form, N, order
         self._known: dict[float, Period] = {}
+        self._least = 1e-12 * model.unit_of(form.name)  # of steps of the parameter, at the graze
 
     def period(self, value: float) -> Period:
         """Return the model at a value of the parameter."""
@@ -156,7 +157,7 @@ class Local:
         delta, value = near.delta, near.value
         if near.s > 0.0:
             delta *= s / near.s
-        unit = abs(value - self.form.graze) + 1e-6 * abs(self.form.graze) + 1e-12
+        unit = abs(value - self.form.graze) + 1e-6 * abs(self.form.graze) + self._least
         before = np.inf
         try:
             for _ in range(STEPS):

@@ -13,14 +13,13 @@ from grazing.compare.bifurcation_diagram import documented, with_limit
 from grazing.compare.search import Search, merged, same_attractor
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
-from grazing.orbits.branch import POINTS, Branch, Piece
+from grazing.orbits.branch import POINTS, Branch
+from grazing.orbits.branch_search import Piece
 from grazing.orbits.branch_table import branch_table, special_once
-from grazing.orbits.contacts import model_of as oscillator_of
-from grazing.orbits.contacts import section_of, walls_of
+from grazing.orbits.contacts import numbered
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.oscillator.gauge import Model, flown_cycle, gauged, readings_of, repeated_cycle
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.gauge import flown_cycle, gauged, readings_of, repeated_cycle
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, whole
@@ -124,11 +123,11 @@ def response(
     import xarray as xr
 
     P = checked_strobe(P)
-    name = checked_name(name, model_of(P).params, "the oscillator")
+    name = checked_name(name, P.origin.rig.params, "the oscillator")
     grid, longest = checked_values(name, values, P), whole(period, "period", 1)
     if len(np.unique(grid)) < 2:
         raise InputError(f"values of {name} are {np.unique(grid).tolist()}; give at least 2 different ones")
-    last = {wave: wave.rpartition(".")[2] for wave in model_of(P).params}
+    last = {wave: wave.rpartition(".")[2] for wave in P.origin.rig.params}
     waves = [wave for wave, kind in last.items() if kind.startswith(("cos", "sin")) and kind[3:].isdigit()]
     if name not in waves and not any(P.params[wave] for wave in waves):
         warnings.warn("nothing shakes the ball: all amplitudes of the force are 0", UserWarning, stacklevel=2)
@@ -158,26 +157,18 @@ def response(
 
 def checked_strobe(P: Any) -> Map:
     """Return the stroboscopic map of an oscillator at phase 0, where its branches are; raise InputError for others."""
-    if not isinstance(P, Map) or section_of(P) != "strobe":
+    if not isinstance(P, Map) or P.section != "strobe":
         said = "a response is that of an oscillator; give its stroboscopic map, gz.stroboscopic_map(model)"
         raise InputError(f"P is {shown(P)}: {said}")
-    refuse_stiffness(model_of(P), "a response, which sweeps follow where it attracts,")
+    refuse_stiffness(P.origin.rig, "a response, which sweeps follow where it attracts,")
     return P.replace(phase=0.0)  # readings do not depend on the section
-
-
-def model_of(P: Map) -> Model:
-    """Return the oscillator of a map that has one."""
-    model = oscillator_of(P)
-    assert model is not None
-    return model
 
 
 def between_walls(P: Map, name: str, grid: Floats) -> tuple[float, float]:
     """Return from where to where a ball may start at every value of a parameter, at least inside the map's box."""
     low, high = P.box[0]
     for value in {*grid.tolist()} if name.rpartition(".")[0] or name in ("sigma", "omega", "t0") else (grid[0],):
-        model = P.replace(**{name: value}).walled
-        assert model is not None
+        model = P.replace(**{name: value}).origin.rig
         for wall, at in zip(model.walls, model.places_at(np.zeros(1))[0][:, 0].tolist(), strict=True):
             low, high = (max(low, at), high) if wall.sign > 0.0 else (low, min(high, at))
     if low > high:
@@ -187,12 +178,12 @@ def between_walls(P: Map, name: str, grid: Floats) -> tuple[float, float]:
 
 def at_rest(P: Map, name: str, grid: Floats) -> tuple[float, float]:
     """Return a state that is allowed at every value: at rest where constant forces balance, inside the map's box."""
-    model = model_of(P)
-    if not isinstance(model, Oscillator):
+    model = P.origin.rig
+    if model.walled:
         low, high = between_walls(P, name, grid)
         balance = model.forcing.offset / model.k2 if model.k2 > 0.0 else 0.5 * (low + high)
         return min(max(balance, low), high), 0.0
-    wall, stiffness = float(grid.max()) if name == "sigma" else model.sigma, model.k**2
+    wall, stiffness = float(grid.max()) if name == "sigma" else model.walls[0].position, model.k**2
     balance = model.forcing.offset / stiffness if stiffness > 0.0 else wall
     return max(wall, min(balance, P.box[0][1])), 0.0
 
@@ -203,10 +194,10 @@ def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
 
     points, size = points_of(P, scans)
     periods, words, keep = scans["period"].values, scans["word"].values, scans.sizes["n"]
-    readings = readings_of(model_of(P))
+    readings = readings_of(P.origin.rig)
     found = np.full((*periods.shape, len(readings)), np.nan)
     for i, value in enumerate(scans[name].values.tolist()):
-        model, seen = model_of(P.replace(**{name: value})), list[int]()
+        model, seen = P.replace(**{name: value}).origin.rig, list[int]()
         for j, N in enumerate(periods[i].tolist()):
             if N == ENDED:
                 continue
@@ -255,8 +246,8 @@ def points_of(P: Map, scans: xr.Dataset) -> tuple[Floats, Floats]:
 
 def about(reading: str, P: Map) -> labels.Attributes:
     """Return the attributes of a reading."""
-    meaning, units = readings_of(model_of(P))[reading]
-    return {"long_name": meaning, "units": "1" if model_of(P).mass is None else units}
+    meaning, units = readings_of(P.origin.rig)[reading]
+    return {"long_name": meaning, "units": "1" if P.origin.rig.mass is None else units}
 
 
 def differences(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
@@ -293,7 +284,7 @@ def branches_read(branch: Branch) -> xr.Dataset:
     along = read_along(branch.map, list(branch), readable)
     special = special_once(branch)
     at = read_along(branch.map, [one.orbit for one in special], [one.admissible for one in special])
-    for k, reading in enumerate(readings_of(model_of(branch.map))):
+    for k, reading in enumerate(readings_of(branch.map.origin.rig)):
         table[reading] = "point", along[:, k], about(reading, branch.map)
         table[f"special_{reading}"] = "special", at[:, k], about(reading, branch.map)
     fronted = [key for key in [*table.variables, *table.dims] if not str(key).startswith("special")]
@@ -317,14 +308,13 @@ def on_or_beside(piece: Piece, bounds: tuple[float, float]) -> list[bool]:
 
 def read_along(P: Map, orbits: Sequence[Orbit], readable: Sequence[bool]) -> Floats:
     """Return the readings of periodic orbits, shape (orbits, readings), NaN for those that are none of the flow."""
-    found = np.full((len(orbits), len(readings_of(model_of(P)))), np.nan)
+    found = np.full((len(orbits), len(readings_of(P.origin.rig))), np.nan)
     for i, (orbit, wanted) in enumerate(zip(orbits, readable, strict=True)):
         if not wanted:
             continue
-        model, state = model_of(orbit.map), (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
+        model, state = orbit.map.origin.rig, (float(orbit.points[0, 0]), float(orbit.points[0, 1]))
         if isinstance(orbit, ImpactOrbit):
-            names = "".join(str(wall.name) for wall in walls_of(model))
-            walls = [names.index(letter) for letter in orbit.walls]
+            walls = numbered(model, orbit.walls)
             cycle = repeated_cycle(model, state, orbit.times, orbit.incoming, orbit.outgoing, orbit.period, walls)
         else:
             cycle = flown_cycle(model, state, orbit.period)

@@ -10,7 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.branch import Branch, Piece, Unsettled, Work, followed
+from grazing.orbits.branch import Branch, Unsettled, followed
+from grazing.orbits.branch_search import Piece, Work
 from grazing.orbits.branch_windows import between, windows_of_piece
 from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit

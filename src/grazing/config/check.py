@@ -17,6 +17,7 @@ from grazing.config.problems import Label, Problem, dotted, found_by, refusal, u
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import settings_of
 from grazing.config.si import from_table
+from grazing.config.tabled import beside_table, with_map
 from grazing.config.values import DEFAULT, bounds_of, extremes, found_from, number, numbers, range_of
 from grazing.config.walls import flat, last_of
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
@@ -34,7 +35,7 @@ BROUGHT = {
 }  # fmt: skip
 #: Of the keys in a recipe.
 ORDER = (
-    "study", "map", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
+    "study", "map", "table", "order", "unfold", "model", "law", "walls", "mass", "base", "stop", "parameters", "vary",
     "settings", "curves", "coordinate", "units",
 )  # fmt: skip
 
@@ -83,7 +84,9 @@ def checked(
     if not isinstance(mapping, Mapping):
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(plain_of(mapping, source), code)
-    raw |= {key: flat(raw[key]) for key in ("parameters", "vary") if key in raw}
+    raw |= {key: flat(raw[key], "table" in raw) for key in ("parameters", "vary") if key in raw}
+    if isinstance(raw.get("table"), str):
+        with_map(raw, folder)
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
@@ -124,8 +127,9 @@ def _by_schema(raw: Recipe) -> tuple[list[Problem], Recipe | None]:
     schema: type[Config] = config_of(study) if isinstance(study, str) and study in studies() else Config
     problems: list[Problem] = []
     own: dict[str, Any] = {}
-    if isinstance(raw.get("map"), str) and is_own(raw["map"]) and isinstance(raw.get("parameters", {}), Mapping):
-        own = dict(raw.pop("parameters", {}))  # a map of one's own has parameters and ranges of its own
+    other = isinstance(raw.get("map"), str) and is_own(raw["map"])
+    if (other or raw.get("table")) and isinstance(raw.get("parameters", {}), Mapping):
+        own = dict(raw.pop("parameters", {}))  # these have parameters and ranges of their own
     try:
         config = schema.model_validate(raw)
     except ValidationError as error:
@@ -170,7 +174,10 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     if ("map",) in broken or ("law",) in broken or ("model",) in broken:
         return
     kind = config["map"]
-    if not is_own(kind) and kind not in MAPS:
+    if said := beside_table(config):
+        yield said
+        return
+    if not config.get("table") and not is_own(kind) and kind not in MAPS:
         yield Problem(("map",), partial(unknown_key, kind, [*MAPS, "file.py:name"], f"map = {shown(kind)}"))
         return
     if unnamed(config):  # only the code knows the rest
@@ -184,7 +191,8 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         _adopt(config)
         known, (names, coordinates) = parameter_defaults(config), names_of(config)
     except GrazingError as error:
-        yield Problem(("model" if config.get("model") else "map",), str(error))
+        key = next((key for key in ("table", "model") if config.get(key)), "map")
+        yield Problem((key,), str(error))
         return
     for i, problem in enumerate(before):  # what is out of range, of a parameter that there is not
         if problem.path[0] == "parameters" and len(problem.path) > 1 and problem.path[1] not in known:
@@ -205,7 +213,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
             f"the {config['map']} map has coordinates {', '.join(coordinates)}; a {study.name} needs one with "
             f"{'one: gap' if study.dimension == 1 else study.dimension}",
         )
-    if study is not None and study.of == "model":
+    if study is not None and study.of == "model" and not config.get("table"):
         yield from _in_time(config, study)
     if isinstance(config["settings"], Mapping):
         yield from _orbits(config, ranges, names, ("settings", "period") in broken)
@@ -230,6 +238,8 @@ def _adopt(config: Recipe) -> None:
 def _pieces(config: Recipe) -> Iterator[Problem]:
     """Yield keys that have no meaning for this map, and fill in the defaults of those that have one."""
     kind = config["map"]
+    if config.get("table"):
+        return
     oscillator = not is_own(kind) and kind != "gap"
     if config.get("model") and not oscillator:
         yield Problem(("model",), f"the map {kind} is not made of an oscillator; leave the model out")
@@ -329,6 +339,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
             and ranges[name] != DEFAULT
             and allowed is names
             and not is_own(config["map"])
+            and not config.get("table")
             and config["map"] not in ("gap", "normal-form")
         ):
             for value in extremes(ranges[name]):

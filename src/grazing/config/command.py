@@ -17,6 +17,7 @@ from grazing.outcome import InputError, quoted, quoted_file, shown
 #: What a configuration says beside study, parameters, ranges and settings, with what is meant if it does not.
 KEYS = {
     "map": "stroboscopic",
+    "table": None,
     "order": defaults_of(discontinuity_map)["order"],
     "unfold": UNFOLD,
     "model": None,

@@ -6,14 +6,18 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
+from grazing.billiard.table import COORDINATES
 from grazing.catalogue import studies
 from grazing.config.own import is_own, own_object
 from grazing.config.parameters import AMPLITUDES, FLIGHT, GAP, LAWS, STIFFNESS, defaults_of, law_names, spring_in
-from grazing.config.schema import MAPS
+from grazing.config.schema import MAPS, TABLE_MAPS
+from grazing.config.tables import read_table
 from grazing.config.walls import parameters_of, walled_defaults, walled_of
+from grazing.maps.collisions import collision_map
 from grazing.maps.discontinuity import discontinuity_map
 from grazing.maps.gap import gap_map
 from grazing.maps.impact import impact_map
+from grazing.maps.launches import launch_map
 from grazing.maps.map import Map
 from grazing.maps.normal_form import normal_form
 from grazing.maps.stroboscopic import stroboscopic_map
@@ -41,6 +45,8 @@ def parameter_defaults(config: Mapping[str, Any]) -> dict[str, Any]:
         is the pinball, whose defaults are the paper's. Else only what leaves a term out has a default: 0.
     """
     kind, law = config["map"], config.get("law") or LAW
+    if config.get("table"):
+        return dict(of_table(config).params)
     if is_own(kind):
         found = own_object(kind)
         return dict(found.params)
@@ -101,6 +107,14 @@ def _without_zeros(value: Any) -> Any:
     return value
 
 
+def of_table(config: Mapping[str, Any]) -> Any:
+    """Return the table that a configuration names, or the map of it."""
+    table = read_table(config["table"])
+    if config["map"] not in TABLE_MAPS:
+        return table
+    return collision_map(table) if config["map"] == "collision" else launch_map(table)
+
+
 def own_model(text: str) -> Any:
     """Return the oscillator that ``file.py:name`` names."""
     found = own_object(text, "model")
@@ -112,6 +126,9 @@ def own_model(text: str) -> Any:
 def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
     """Return the parameters that can vary and the coordinates of a configuration's map, whatever their values."""
     kind = config["map"]
+    if config.get("table"):
+        found = of_table(config)
+        return list(found.params), list(getattr(found, "coordinates", COORDINATES))
     if is_own(kind):
         P = own_object(kind)
         assert isinstance(P, Map)
@@ -155,6 +172,9 @@ def map_of(config: Mapping[str, Any]) -> Map:
     <Map gap map: (x); lam=0.5, mu=0.1, l=0.2>
     """
     kind, given = config["map"], dict(config.get("parameters", {}))
+    if config.get("table"):
+        seen: Map = of_table(config).replace(**given)
+        return seen
     if is_own(kind):
         found = own_object(kind)
         assert isinstance(found, Map)
@@ -196,6 +216,8 @@ def has_beside(config: Mapping[str, Any]) -> bool:
 def model_of(config: Mapping[str, Any]) -> Any:
     """Return the oscillator of a checked configuration: the paper's, where nothing else is said."""
     given = {name: value for name, value in config.get("parameters", {}).items() if name != "phase"}
+    if config.get("table"):
+        return read_table(config["table"]).replace(**given)
     if config.get("model"):
         return own_model(config["model"]).replace(**given)
     if config.get("walls"):

@@ -26,6 +26,12 @@ MAPS = {
     "normal-form": "the gap map that an oscillator has near its graze",
 }
 
+#: Maps of a pinball table.
+TABLE_MAPS = {
+    "collision": "of a table, from impact to impact",
+    "launch": "of a table, a launch to its way out",
+}
+
 
 _RANGES = {
     "type": "object",
@@ -81,11 +87,16 @@ class Config(Table):
 
     study: Literal[tuple(studies())] = Field(description="what is computed")  # type: ignore[valid-type]
     map: Annotated[str, WithJsonSchema({"type": "string", "examples": [*MAPS, "file.py:name"]})] = Field(
-        default="stroboscopic", description=f"{', '.join(MAPS)}, or file.py:name for a gz.Map of your own"
+        default="stroboscopic",
+        description=f"{', '.join(MAPS)}, or file.py:name for a gz.Map of your own; of a table {', '.join(TABLE_MAPS)}",
     )
     order: Literal[ORDERS] | None = Field(default=None, description="terms of the discontinuity map")  # type: ignore[valid-type]
     unfold: str | None = Field(default=None, description="parameter that leads the normal form to its graze")
     model: str | None = Field(default=None, description="file.py:name for a gz.Oscillator or gz.System of your own")
+    table: str | None = Field(
+        default=None,
+        description="a pinball table, not an oscillator: classic, galton, one_bumper, three_discs, or a TOML file",
+    )
     law: Literal[tuple(LAWS)] | None = Field(default=None, description="reset law")  # type: ignore[valid-type]
     walls: Walls = Field(default=None, description=SAYS)  # type: ignore[valid-type]
     mass: Mass = Field(default=None, description="mass in kg: the numbers are in SI units, and results carry units")  # type: ignore[valid-type]

@@ -9,9 +9,11 @@ from pathlib import Path
 from typing import Any
 
 from grazing.billiard.objects import DRAIN, GEOMETRY, Thing
-from grazing.billiard.players import NOBODY, Player, flips, presses
+from grazing.billiard.players import NOBODY, flips, presses
+from grazing.billiard.plunger import KNOWN, Plunger
+from grazing.billiard.strategy import Player
 from grazing.billiard.table import OWN, Table, table
-from grazing.config.files import read_toml
+from grazing.config.toml import read_toml
 from grazing.oscillator.reset import Reset, active, newton, triggered
 from grazing.outcome import InputError, abridged, listed, shown
 
@@ -81,7 +83,8 @@ def read_table(source: str | os.PathLike[str]) -> Table:
         the impact oscillator; ``"three_discs"``, the scatterer. A file has ``rho``, ``g`` and ``tilt``, which may be
         left out as in :func:`grazing.table`; in ``[objects]`` each object by its name, with its ``kind``, its numbers
         and its ``law`` with the numbers of that, called as in the table's parameters; and ``[flips]`` or ``[presses]``
-        with what :func:`grazing.flips` or :func:`grazing.presses` take. It is read, and never executed.
+        with what :func:`grazing.flips` or :func:`grazing.presses` take; and ``[plunger]`` with ``x``, ``y``, ``angle``,
+        ``slow`` and ``fast`` of :func:`grazing.plunger`. It is read, and never executed.
 
     Returns
     -------
@@ -102,7 +105,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     path = HOME / f"{source}.toml" if known else source
     if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(source):
         raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
-    said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS], str(source))
+    said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS, "plunger"], str(source))
     if all(name in said for name in PLAYERS):
         raise InputError(f"{source} has {listed(list(PLAYERS))}; give one of them")
     if not isinstance(said["objects"], Mapping):
@@ -115,4 +118,8 @@ def read_table(source: str | os.PathLike[str]) -> Table:
         if not isinstance(said["presses"], Mapping):
             raise InputError(f"presses is {shown(said['presses'])}; give the times of each flipper by its name")
         player = presses(**said["presses"])
-    return table(things, **{key: said[key] for key in OWN if key in said}, player=player)
+    launcher = None
+    if "plunger" in said:
+        numbers = [name.partition(".")[2] for name in KNOWN]
+        launcher = Plunger(**_keys(said["plunger"], numbers, [], "plunger"))
+    return table(things, **{key: said[key] for key in OWN if key in said}, player=player, plunger=launcher)

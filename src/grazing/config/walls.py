@@ -55,11 +55,16 @@ Walls = optional(
 )
 
 
-def flat(table: Any) -> Any:
-    """Return a table with ``A.r`` for r in a table A, as TOML reads ``A.r = 0.8``; what is no table stays as it is."""
+def flat(table: Any, every: bool = False) -> Any:
+    """Return a table with ``A.r`` for r in a table A, as TOML reads ``A.r = 0.8``; what is no table stays as it is.
+
+    Walls have names of one letter; ``every`` takes others, too.
+    """
     if not isinstance(table, Mapping):
         return table
-    nested = {key: value for key, value in table.items() if isinstance(value, Mapping) and len(str(key)) == 1}
+    nested = {
+        key: value for key, value in table.items() if isinstance(value, Mapping) and (every or len(str(key)) == 1)
+    }
     inside = {f"{key}.{name}": item for key, value in nested.items() for name, item in value.items()}
     return {**inside, **{key: value for key, value in table.items() if key not in nested}}
 

@@ -178,6 +178,18 @@ def attractors(points: Any, period: Any, key: Any, begin: Any, length: Any, same
             label[q, j] = k
 
 
+def arguments(text: str) -> tuple[Argument, ...]:
+    """Return arguments from lines ``name: kind  meaning``, and of arrays ``name: kind[size, size]  meaning``."""
+    found = []
+    for line in text.strip().splitlines():
+        front, _, meaning = line.strip().partition("  ")
+        name, _, kind = front.partition(": ")
+        kind, _, sizes = kind.rstrip("]").partition("[")
+        shape = tuple(int(size) if size.isdigit() else size for size in sizes.split(", ") if size)
+        found.append(Argument(name, kind, shape, " ".join(meaning.split())))
+    return tuple(found)
+
+
 def orbits_entry(step: Step, prepare: Step | None, kind: type, dimension: int, name: str, meaning: str) -> Entry:
     """Return the function that iterates a map."""
     fields = len(kind._fields)  # type: ignore[attr-defined]
@@ -209,58 +221,43 @@ def entries_of(
     fields = len(kind._fields)  # type: ignore[attr-defined]
     rows, lanes = rows_lanes(fields, dimension)
     points, letters, outcomes = points_letters_outcomes(dimension)
-    per_orbit = ("columns", "starts")
     return [
         orbits_entry(step, prepare, kind, dimension, "orbits", "advance orbits by `transient` steps, then by `keep`"),
         Entry(
-            "density",
-            count or counter_of(loop_of(step, prepare, kind, dimension), dimension),
-            ("columns", "starts"),
-            (
-                rows,
-                lanes,
-                TRANSIENT,
-                Argument("keep", "int64", (), "steps that are counted"),
-                Argument("coordinate", "int64", (), "which coordinate is counted, from 0"),
-                Argument("low", "float64", (), "lower end of the raster"),
-                Argument("high", "float64", (), "upper end of the raster"),
-                Argument("bins", "int64", (), "parts of the raster"),
-                Argument("counts", "int32", ("columns", "bins + 3"), "below, the parts, above, what is no number"),
-                Argument("ended", "int32", ("columns",), "starts whose orbits ended"),
-                Argument("ambiguous", "int32", ("columns",), "starts with a decision that could not be made"),
-            ),
+            "density", count or counter_of(loop_of(step, prepare, kind, dimension), dimension), ("columns", "starts"),
+            (rows, lanes, TRANSIENT, *arguments("""
+                keep: int64  steps that are counted
+                coordinate: int64  which coordinate is counted, from 0
+                low: float64  lower end of the raster
+                high: float64  upper end of the raster
+                bins: int64  parts of the raster
+                counts: int32[columns, bins + 3]  below, the parts, above, what is no number
+                ended: int32[columns]  starts whose orbits ended
+                ambiguous: int32[columns]  starts with a decision that could not be made
+            """)),
             meaning="count orbits in a raster, the values of one coordinate in each column",
         ),
         Entry(
-            "classify",
-            classifier_of(tangent, prepare, kind, dimension),
-            ("columns", "starts", "keep"),
-            (
-                rows,
-                points,
-                letters,
-                outcomes,
-                Argument("tolerance", "float64", (), "relative tolerance of recurrence"),
-                Argument("period", "int32", per_orbit, "0 undecided, -1 aperiodic as far as seen, -2 ended"),
-                Argument("key", "int64", per_orbit, "a number that only equal words share"),
-                Argument("begin", "int32", per_orbit, "with which of the kept letters the word begins"),
-                Argument("length", "int32", per_orbit, "letters of the word"),
-            ),
+            "classify", classifier_of(tangent, prepare, kind, dimension), ("columns", "starts", "keep"),
+            (rows, points, letters, outcomes, *arguments("""
+                tolerance: float64  relative tolerance of recurrence
+                period: int32[columns, starts]  0 undecided, -1 aperiodic as far as seen, -2 ended
+                key: int64[columns, starts]  a number that only equal words share
+                begin: int32[columns, starts]  with which of the kept letters the word begins
+                length: int32[columns, starts]  letters of the word
+            """)),
             meaning="find what orbits have settled on, from `orbits`",
         ),
         Entry(
-            "attractors",
-            attractors,
-            ("columns", "starts", "keep"),
-            (
-                points,
-                Argument("period", "int32", per_orbit, "from `classify`"),
-                Argument("key", "int64", per_orbit, "from `classify`"),
-                Argument("begin", "int32", per_orbit, "from `classify`"),
-                Argument("length", "int32", per_orbit, "from `classify`"),
-                Argument("same", "float64", (dimension,), "how far points of one attractor may differ"),
-                Argument("label", "int32", per_orbit, "the attractor, from 0; below 0 without a period"),
-            ),
+            "attractors", attractors, ("columns", "starts", "keep"),
+            (points, *arguments(f"""
+                period: int32[columns, starts]  from `classify`
+                key: int64[columns, starts]  from `classify`
+                begin: int32[columns, starts]  from `classify`
+                length: int32[columns, starts]  from `classify`
+                same: float64[{dimension}]  how far points of one attractor may differ
+                label: int32[columns, starts]  the attractor, from 0; below 0 without a period
+            """)),
             meaning="tell attractors of equal word apart, for basins",
         ),
     ]  # fmt: skip
@@ -268,40 +265,31 @@ def entries_of(
 
 def common_entries(boxes: Step, fields: int, dimension: int) -> list[Entry]:
     """Return the functions for starts and for classes of orbits; ``boxes(rows, boxes)`` is the map's own kernel."""
-    per_orbit = ("columns", "starts")
     return [
         Entry(
-            "boxes",
-            boxes,
-            ("columns",),
-            (
-                sized(ROWS, fields=fields),
-                Argument("boxes", "float64", ("columns", dimension, 2), "(low, high) of each coordinate"),
-            ),
+            "boxes", boxes, ("columns",),
+            (sized(ROWS, fields=fields), *arguments(f"""
+                boxes: float64[columns, {dimension}, 2]  (low, high) of each coordinate
+            """)),
             meaning="where random starts are drawn unless said",
         ),
         Entry(
-            "draw",
-            drawn_starts,
-            ("columns", "starts", "axes"),
-            (
-                Argument("seed", "float64", (), "a whole number, 0 <= seed < 2^53"),
-                Argument("names", "float64", ("columns", "axes"), "the values of the parameters that vary"),
-                Argument("boxes", "float64", ("columns", dimension, 2), "where starts are drawn"),
-                sized(LANES, dimension=dimension),
-            ),
+            "draw", drawn_starts, ("columns", "starts", "axes"),
+            (*arguments(f"""
+                seed: float64  a whole number, 0 <= seed < 2^53
+                names: float64[columns, axes]  the values of the parameters that vary
+                boxes: float64[columns, {dimension}, 2]  where starts are drawn
+            """), sized(LANES, dimension=dimension)),
             meaning="draw random starts, the same for a column whatever else is computed",
         ),
         Entry(
-            "rank",
-            rank,
-            ("columns", "starts"),
-            (
-                Argument("period", "int32", per_orbit, "from `classify`"),
-                Argument("key", "int64", per_orbit, "from `classify`"),
-                Argument("count", "int32", per_orbit, "orbits of each class, most first; 0 for no further one"),
-                Argument("first", "int32", per_orbit, "the first orbit of each class"),
-            ),
+            "rank", rank, ("columns", "starts"),
+            (*arguments("""
+                period: int32[columns, starts]  from `classify`
+                key: int64[columns, starts]  from `classify`
+                count: int32[columns, starts]  orbits of each class, most first; 0 for no further one
+                first: int32[columns, starts]  the first orbit of each class
+            """),),
             meaning="sort the orbits of each column into classes of equal period and word",
         ),
-    ]
+    ]  # fmt: skip

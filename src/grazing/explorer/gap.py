@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from grazing.explorer.composed import Module, common_entries, entries_of
-from grazing.explorer.webassembly import Argument, Entry
+from grazing.explorer.composed import Module, arguments, common_entries, entries_of
+from grazing.explorer.webassembly import Entry
 from grazing.kernel.primitives import at, inlined
 from grazing.maps.gap import PARAMETERS, gap_map, gap_step, gap_tangent
 from grazing.outcome import AMBIGUOUS
@@ -98,15 +98,13 @@ def gap_module() -> Module:
         *common_entries(boxes, len(FIELDS), 1),
         *entries_of(gap_step, gap_tangent, None, KIND, 1, count),
         Entry(
-            "edges",
-            edges,
-            ("periods",),
-            (
-                Argument("lam", "float64", (), "slope of the map for x < 0, 0 < lam < 1"),
-                Argument("l", "float64", (), "size of the gap, l >= 0"),
-                Argument("table", "float64", ("periods", 3), "mu_gr, mu_pd and mu_bc of periods 1, 2, ..."),
-            ),
+            "edges", edges, ("periods",),
+            (*arguments("""
+                lam: float64  slope of the map for x < 0, 0 < lam < 1
+                l: float64  size of the gap, l >= 0
+                table: float64[periods, 3]  mu_gr, mu_pd and mu_bc of periods 1, 2, ...
+            """),),
             meaning="the windows of the maximal orbits, Proposition 3.1",
         ),
-    ]
+    ]  # fmt: skip
     return Module(entries, tuple(PARAMETERS.values()), ("x",), "LR")

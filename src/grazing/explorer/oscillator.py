@@ -8,7 +8,7 @@ from __future__ import annotations
 from math import pi
 from typing import Any
 
-from grazing.explorer.composed import Module, common_entries, entries_of, orbits_entry
+from grazing.explorer.composed import Module, arguments, common_entries, entries_of, orbits_entry
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import unpacker
 from grazing.maps.discontinuity import ORDERS, local_map_of, zero_time_of
@@ -189,92 +189,59 @@ def entries() -> list[Entry]:
         *entries_of(step_of(*LAW), tangent_of(*LAW), PREPARE, KIND, 2),
         orbits_entry(local_step, PREPARE, KIND, 2, "orbits_local", "iterate the discontinuity map"),
         Entry(
-            "legs",
-            recorder_of(*LAW, PREPARE, KIND),
-            ("capacity",),
-            (
-                row,
-                Argument(
-                    "state", "float64", (7,), "periods, t, u - sigma, v, window, fastest, 0 at a strobe; moved on"
-                ),
-                Argument(
-                    "legs",
-                    "float64",
-                    ("capacity", 9),
-                    "period, t, u - sigma, v, t at the end, v before and after the impact there, outcome, 1 for a rest",
-                ),
-                Argument("until", "float64", (), "time at which to stop, from the section on"),
-                Argument("patience", "float64", (), "chatter is followed down to this share of its first speed"),
-            ),
-            "int64",
-            meaning="follow the ball from impact to impact; returns how many legs were filled",
+            "legs", recorder_of(*LAW, PREPARE, KIND), ("capacity",),
+            (row, *arguments("""
+                state: float64[7]  periods, t, u - sigma, v, window, fastest, 0 at a strobe; moved on
+                legs: float64[capacity, 9]  period, t, u - sigma, v, t at the end, v before and after the impact \
+                    there, outcome, 1 for a rest
+                until: float64  time at which to stop, from the section on
+                patience: float64  chatter is followed down to this share of its first speed
+            """)),
+            "int64", "follow the ball from impact to impact; returns how many legs were filled",
         ),
         Entry(
-            "sample",
-            sample,
-            ("count", "samples"),
-            (
-                row,
-                Argument("legs", "float64", ("count", 9), "from `legs`"),
-                Argument("times", "float64", ("samples",), "increasing, from the section on"),
-                Argument("u", "float64", ("samples",), "position at those times"),
-                Argument("v", "float64", ("samples",), "velocity at those times"),
-            ),
+            "sample", sample, ("count", "samples"),
+            (row, *arguments("""
+                legs: float64[count, 9]  from `legs`
+                times: float64[samples]  increasing, from the section on
+                u: float64[samples]  position at those times
+                v: float64[samples]  velocity at those times
+            """)),
             meaning="position and velocity along the legs of a trajectory",
         ),
         Entry(
-            "zero_time",
-            zero_time,
-            (),
-            (
-                row,
-                Argument("u0", "float64", (), "position at the section"),
-                Argument("v0", "float64", (), "velocity at the section"),
-                Argument("corners", "float64", (4, 2), "(U0, V0) to (U3, V3)"),
-                Argument("numbers", "float64", (2,), "delta, acceleration A"),
-            ),
-            "float64",
-            meaning="the zero-time map of a state; returns v^2 - 2 A (u - sigma), not a number without an impact",
+            "zero_time", zero_time, (),
+            (row, *arguments("""
+                u0: float64  position at the section
+                v0: float64  velocity at the section
+                corners: float64[4, 2]  (U0, V0) to (U3, V3)
+                numbers: float64[2]  delta, acceleration A
+            """)),
+            "float64", "the zero-time map of a state; returns v^2 - 2 A (u - sigma), not a number without an impact",
         ),
         Entry(
-            "clearance",
-            clearance,
-            ("count",),
-            (
-                row,
-                which,
-                Argument("values", "float64", ("count",), "values of that parameter"),
-                Argument("heights", "float64", ("count",), "lowest point of the steady response above the wall"),
-            ),
+            "clearance", clearance, ("count",),
+            (row, which, *arguments("""
+                values: float64[count]  values of that parameter
+                heights: float64[count]  lowest point of the steady response above the wall
+            """)),
             meaning="how high the response without impacts stays; mu is `factor` times this",
         ),
         Entry(
-            "graze",
-            graze,
-            (),
-            (
-                row,
-                which,
-                Argument("low", "float64", (), "least value allowed"),
-                Argument("high", "float64", (), "greatest value allowed"),
-                Argument("open_low", "int64", (), "1 if the least value itself is not allowed"),
-            ),
+            "graze", graze, (),
+            (row, which, *arguments("""
+                low: float64  least value allowed
+                high: float64  greatest value allowed
+                open_low: int64  1 if the least value itself is not allowed
+            """)),
             "float64",
-            meaning="the value of a parameter at which the steady response grazes; not a number if there is none near",
+            "the value of a parameter at which the steady response grazes; not a number if there is none near",
         ),
         Entry(
-            "reduce",
-            reduce,
-            (),
-            (
-                row,
-                Argument(
-                    "numbers",
-                    "float64",
-                    (13,),
-                    "time, acceleration, lam, l, b, det, scale, r, V, a, e21, d, factor",
-                ),
-            ),
+            "reduce", reduce, (),
+            (row, *arguments("""
+                numbers: float64[13]  time, acceleration, lam, l, b, det, scale, r, V, a, e21, d, factor
+            """)),
             meaning="the normal form of the model at a graze, with the row of the graze",
         ),
-    ]
+    ]  # fmt: skip

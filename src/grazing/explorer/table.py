@@ -24,24 +24,20 @@ from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, PX, PY, SIDES, SIZE, 
 from grazing.billiard.rows import OWNER as OWNER_OF
 from grazing.billiard.table import Table
 from grazing.config.tables import LAWS, read_table, shipped
-from grazing.explorer.composed import Module
+from grazing.explorer.composed import Module, arguments
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, numbers
-from grazing.maps.launches import fan
+from grazing.maps.launch import fan
 from grazing.oscillator.reset import Reset
 from grazing.outcome import ESCAPED, FATAL, NO_IMPACT, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
 
 INFINITY = float("inf")
-#: Where a ball is launched on a table that ships: point, direction, and speeds; from where exits are drawn, up to which
-#: speed; what a millimetre is on it, 0 where that means nothing.
-LAUNCHES: dict[str, dict[str, Any]] = {
-    "classic": {"launch": [5.275, 0.7, pi / 2], "speeds": [12.0, 22.0], "from": [2.55, 5.6, 12.0], "mm": 0.01},
-    "galton": {"launch": [0.05, 9.0, -pi / 2], "speeds": [0.0, 1.0], "from": [0.05, 9.0, 3.0], "mm": 0.0},
-    "one_bumper": {"launch": [0.3, 4.0, -pi / 2], "speeds": [0.0, 1.0], "from": [0.3, 4.0, 3.0], "mm": 0.0},
-    "three_discs": {"launch": [3.0, 1.7, -2.6], "speeds": [1.0, 2.0], "from": [3.0, 1.7, 2.0], "mm": 0.0},
-}
+#: Where a ball is thrown from for the picture of exits, and how fast at most, where that is not in the plunger.
+THROWN = {"classic": (2.55, 5.6, 12.0), "galton": (0.05, 9.0, 3.0), "one_bumper": (0.3, 4.0, 3.0)}
+#: What a millimetre is, on tables where that means something.
+MILLIMETRE = {"classic": 0.01}
 #: Of a ball that is followed: time, surface just left and state at the begin of its flight, then impacts, the object it
 #: hit last, and bits of outcomes.
 CLOCK, LEFT, X, Y, VX, VY, HITS, LAST, FLAGS, BALL = range(10)
@@ -197,12 +193,17 @@ def described_table(name: str) -> dict[str, Any]:
     own = len(block) - 1 - len(names)
     things = block[rows_of_tables.HEAD :][: rows_of_tables.THING * len(table.objects)].reshape(-1, rows_of_tables.THING)
     things[:, [rows_of_tables.LAW, rows_of_tables.SLOPE, rows_of_tables.ROW]] = 0.0  # addresses, which are the page's
+    shot = table.plunger
+    assert shot is not None
     x, y = ([value for one in table.outlines() for value in one.points[:, axis].tolist()] for axis in (0, 1))
     return {
         "objects": [described_thing(one) for one in table.objects],
         "rho": table.rho,
         "box": [min(x), max(x), min(y), max(y)],
-        **LAUNCHES[name],
+        "launch": [shot.x, shot.y, shot.angle],
+        "speeds": [shot.slow, shot.fast],
+        "from": list(THROWN.get(name, (shot.x, shot.y, shot.fast))),
+        "mm": MILLIMETRE.get(name, 0.0),
         "block": block.tolist(),
         "params": names,
         "row": own,
@@ -234,118 +235,81 @@ def table_module() -> Module:
 def entries() -> list[Entry]:
     """Return the functions of the module."""
     block = Argument("block", "float64", ("numbers",), "a table, see `tables`; laws and rows by address")
-    until = Argument("until", "float64", (), "the time up to which")
-    most = Argument("most", "int64", (), "impacts of a ball at most")
-    pair = ("angles", "speeds")
     return [
         *(law_entry(name, made) for name, made in LAWS.items()),
         Entry(
-            "record",
-            record,
-            ("numbers", "capacity"),
-            (
-                block,
-                Argument("now", "float64", (6,), "time, surface just left, state; moved on"),
-                Argument(
-                    "flights",
-                    "float64",
-                    ("capacity", COLUMNS),
-                    "length, surface, object, v_minus, v_plus, "
-                    "outcome; states at its begin, its end, and after the impact there; slid on, and left",
-                ),
-                until,
-            ),
+            "record", record, ("numbers", "capacity"),
+            (block, *arguments(f"""
+                now: float64[6]  time, surface just left, state; moved on
+                flights: float64[capacity, {COLUMNS}]  length, surface, object, v_minus, v_plus, outcome; \
+                    states at its begin, its end, and after the impact there; slid on, and left
+                until: float64  the time up to which
+            """)),
             "int64",
             "follow the ball from impact to impact; returns how many rows were filled, negative if none follows",
         ),
         Entry(
-            "place",
-            place,
-            ("numbers",),
-            (
-                block,
-                Argument("now", "float64", (6,), "as `record` left it"),
-                until,
-                Argument("state", "float64", (4,), "of the ball at that time"),
-            ),
+            "place", place, ("numbers",),
+            (block, *arguments("""
+                now: float64[6]  as `record` left it
+                until: float64  the time up to which
+                state: float64[4]  of the ball at that time
+            """)),
             meaning="where the ball is",
         ),
         Entry(
-            "follow",
-            follow,
-            ("numbers", "many"),
-            (
-                block,
-                Argument(
-                    "balls",
-                    "float64",
-                    ("many", BALL),
-                    "time, surface just left, state, impacts, object hit last, outcome; moved on",
-                ),
-                until,
-                most,
-                Argument("places", "float64", ("many", 4), "states at that time"),
-            ),
+            "follow", follow, ("numbers", "many"),
+            (block, *arguments(f"""
+                balls: float64[many, {BALL}]  time, surface just left, state, impacts, object hit last, \
+                    outcome; moved on
+                until: float64  the time up to which
+                most: int64  impacts of a ball at most
+                places: float64[many, 4]  states at that time
+            """)),
             meaning="follow many balls to a time",
         ),
         Entry(
-            "pressed",
-            pressed,
-            ("numbers", "capacity"),
-            (
-                block,
-                Argument("flipper", "int64", (), "which"),
-                Argument("motion", "float64", ("capacity", MOTION), "begin, angle and angular velocity of its pieces"),
-                Argument("pieces", "int64", (), "how many it has"),
-                Argument("t", "float64", (), "when its button is pressed or released"),
-                Argument("goal", "float64", (), "the angle to which it turns then"),
-                Argument("rate", "float64", (), "the angular velocity"),
-            ),
-            "int64",
-            "press or release the button of a flipper; returns how many pieces its motion has then",
+            "pressed", pressed, ("numbers", "capacity"),
+            (block, *arguments(f"""
+                flipper: int64  which
+                motion: float64[capacity, {MOTION}]  begin, angle and angular velocity of its pieces
+                pieces: int64  how many it has
+                t: float64  when its button is pressed or released
+                goal: float64  the angle to which it turns then
+                rate: float64  the angular velocity
+            """)),
+            "int64", "press or release the button of a flipper; returns how many pieces its motion has then",
         ),
         Entry(
-            "nearest",
-            nearest,
-            ("numbers",),
-            (
-                block,
-                Argument("state", "float64", (4,), "at the begin of a flight"),
-                Argument("length", "float64", (), "how long it lasts"),
-                Argument("owner", "int64", (), "the object"),
-            ),
-            "float64",
-            "how near a flight comes to the circles of an object",
+            "nearest", nearest, ("numbers",),
+            (block, *arguments("""
+                state: float64[4]  at the begin of a flight
+                length: float64  how long it lasts
+                owner: int64  the object
+            """)),
+            "float64", "how near a flight comes to the circles of an object",
         ),
         Entry(
-            "fan",
-            fan,
-            ("numbers", *pair),
-            (
-                block,
-                Argument("x", "float64", (), "where the ball is launched"),
-                Argument("y", "float64", (), "where the ball is launched"),
-                most,
-                Argument("angle", "float64", (pair[0],), "of the launches"),
-                Argument("speed", "float64", (pair[1],), "of the launches"),
-                *(
-                    Argument(name, kind, pair, meaning)
-                    for name, kind, meaning in (
-                        ("ways", "int64", "the drain through which each ball leaves; behind all objects, away"),
-                        ("hits", "int64", "impacts before"),
-                        ("times", "float64", "when it leaves"),
-                        ("said", "int64", "outcomes, bits"),
-                    )
-                ),
-            ),
+            "fan", fan, ("numbers", "angles", "speeds"),
+            (block, *arguments("""
+                x: float64  where the ball is launched
+                y: float64  where the ball is launched
+                most: int64  impacts of a ball at most
+                angle: float64[angles]  of the launches
+                speed: float64[speeds]  of the launches
+                ways: int64[angles, speeds]  the drain through which each ball leaves; behind all objects, away
+                hits: int64[angles, speeds]  impacts before
+                times: float64[angles, speeds]  when it leaves
+                said: int64[angles, speeds]  outcomes, bits
+            """)),
             meaning="launch balls at all of these angles and speeds",
         ),
         Entry(
-            "gravity",
-            gravity_of,
-            (),
-            (Argument("g", "float64", (), "acceleration"), Argument("tilt", "float64", (), f"up to {pi / 2:.4f}")),
-            "float64",
-            "what pulls the ball down the table",
+            "gravity", gravity_of, (),
+            arguments(f"""
+                g: float64  acceleration
+                tilt: float64  up to {pi / 2:.4f}
+            """),
+            "float64", "what pulls the ball down the table",
         ),
-    ]
+    ]  # fmt: skip

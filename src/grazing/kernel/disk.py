@@ -19,7 +19,7 @@ from pathlib import Path
 from typing import Any
 
 from grazing.kernel.prepared import folder, used
-from grazing.writing import left_in, put
+from grazing.writing import EFFECTIVE, put, remove_left
 
 #: What a file begins with; its SHA-256 follows.
 MAGIC = b"grazing kernel\n"
@@ -48,8 +48,8 @@ def folders() -> tuple[Path | None, Path | None]:
         wanted.parent.mkdir(parents=True, exist_ok=True)
         wanted.mkdir(mode=0o700, exist_ok=True)
         reason = others_can_write(wanted)
-        trusted = not reason
-        if trusted:
+        trusted = not reason and os.access(wanted, os.X_OK, effective_ids=EFFECTIVE)  # else no file in it can be opened
+        if not reason:
             tempfile.TemporaryFile(dir=wanted).close()
             return wanted, None
     except OSError as error:
@@ -97,7 +97,7 @@ def _private_folder() -> Path | None:
         folder = Path(tempfile.gettempdir()) / f"grazing-{user}"
         folder.mkdir(mode=0o700, exist_ok=True)
         linked = stat.S_ISLNK(folder.lstat().st_mode)
-        if not linked and folder.is_dir() and not others_can_write(folder) and os.access(folder, os.W_OK):
+        if not linked and folder.is_dir() and not others_can_write(folder) and os.access(folder, os.W_OK | os.X_OK):
             return folder
     with suppress(OSError):
         return Path(tempfile.mkdtemp(prefix="grazing-"))
@@ -166,8 +166,7 @@ class KernelFiles:
         if self._folder is None:
             return
         file, content = self._folder / self.called(key), dumps(data)
-        for half in left_in(self._folder):
-            half.unlink(missing_ok=True)
+        remove_left(self._folder)
         put(file, MAGIC + _checksum(content, file.name) + content, 0o600)
 
     def flush(self) -> None:

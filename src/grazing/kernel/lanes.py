@@ -92,6 +92,35 @@ def loop_of(
 
 
 @lru_cache(maxsize=16)
+def abreast_loop(step_all: Callable[..., None], dimension: int) -> Callable[..., None]:
+    """Return the loop around a step that is taken by all orbits of a column at once, as :func:`loop_of` describes it.
+
+    Parameters
+    ----------
+    step_all : callable
+        ``step_all(row, lanes, letters, outcomes)``: takes the states of lanes (dimension, n) one step further at a row
+        of parameters, and fills letters and outcomes (n,).
+    dimension : int
+    """
+
+    def run(rows: Any, lanes: Any, transient: int, points: Any, letters: Any, outcomes: Any) -> None:
+        columns, n, keep, last = lanes.shape[0], lanes.shape[2], points.shape[1], outcomes.shape[1] - 1
+        letter, outcome = np.empty(n, np.int64), np.empty(n, np.int64)
+        for q in range(columns):
+            for step in range(transient + keep):
+                step_all(rows[q], lanes[q], letter, outcome)
+                i = max(step - transient, 0)
+                for j in range(n):
+                    outcomes[q, i if last > 0 else 0, j] |= outcome[j]
+                    if step >= transient:
+                        letters[q, i, j] = letter[j]
+                        for k in range(dimension):
+                            points[q, i, k, j] = lanes[q, k, j]
+
+    return run
+
+
+@lru_cache(maxsize=16)
 def runner_at(dimension: int, arithmetic: str) -> Callable[..., None]:
     """Compile the loop around a block that is advanced by an address, for every packed step of a dimension.
 

@@ -4,36 +4,46 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from functools import lru_cache, partial
-from math import atan2, cos, hypot, pi, sin, sqrt
-from typing import Any, NamedTuple
+from math import atan2, hypot, pi, sin, sqrt
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, followed
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
-from grazing.billiard.hit import met, period_of, place_at, slope_of, spot_at, way_at
+from grazing.billiard.hit import met, place_at, spot_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
 from grazing.billiard.players import PERIOD
-from grazing.billiard.rows import FROM, GRAVITY, LENGTH, LONG, OWNER, THINGS, surfaces_of
+from grazing.billiard.rows import FROM, LONG, OWNER, surfaces_of
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.primitives import numbers, numbers_at, replaced
+from grazing.kernel.lanes import abreast_loop
+from grazing.kernel.primitives import numbers
+from grazing.maps.collide import (
+    Place,
+    all_collided,
+    collision,
+    derived,
+    gone,
+    plain_collision,
+    plain_tangent,
+    plain_timed,
+    plain_timed_tangent,
+    timed_collision,
+    timed_derived,
+    velocity,
+)  # fmt: skip
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
-from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE, OK, STUCK, InputError, shown
+from grazing.outcome import ESCAPED, FATAL, OK, InputError, shown
 from grazing.parameter import Parameter
 
 Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
-LOST = (NAN,) * 16
-NOTHING: tuple[float, ...] = (0.0,) * 16
-
-
 #: Places around an object at which it is tried whether a ball fits there.
 TRIED = 720
 COORDINATES = {
@@ -46,151 +56,6 @@ COORDINATES = {
 }
 #: The fourth coordinate of a table whose flippers are worked periodically.
 PHASE = Parameter("phase", "t", "time, less whole periods", 0.0)
-
-
-class Place(NamedTuple):
-    """What a kernel needs of a table: the address of its block."""
-
-    block: float
-
-
-def velocity(nx: float, ny: float, angle: float, speed: float) -> Any:
-    """Return the velocity of a ball that leaves a surface at an angle from its normal."""
-    away, along = speed * cos(angle), speed * sin(angle)
-    return away * nx - along * ny, away * ny + along * nx
-
-
-def gone(way: int, table: Any) -> Any:
-    """Return where a ball lies that has left, one place for each way out, and that way."""
-    way = way if way >= 0 else int(table[THINGS])
-    return (table[LENGTH] + way + 0.5, 0.0, 0.0), way
-
-
-def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
-    """Return (state, t, letter, outcome, J) of a step from impact to impact, from the time ``clock`` on.
-
-    The state has no phase; J, row by row, is by place, angle, speed and clock.
-    """
-    place, angle, speed = state
-    way = way_at(place - table[LENGTH], table)
-    if way >= 0:
-        away, way = gone(way, table)
-        return away, 0.0, way, ESCAPED, NOTHING
-    surface, x, y, frame = spot_at(place, clock, table)
-    if surface < 0:
-        return (NAN, NAN, NAN), NAN, 0, DIVERGED, LOST
-    vx, vy = velocity(frame[0], frame[1], angle, speed)
-    (met_at, owner, t, flags, _left), before, after, speeds = next_impact(x, y, vx, vy, 1.0 * surface, clock, table)
-    if flags & FATAL:
-        return (NAN, NAN, NAN), NAN, 0, flags, LOST
-    if flags & ESCAPED:
-        away, way = gone(owner, table)
-        return away, 0.0, way, flags, NOTHING
-    v_minus, v_plus, along, nx, ny, _curvature, _omega, ux, uy = speeds
-    out = v_plus + (ux * nx + uy * ny)
-    new = place_at(met_at, after[0], after[1], t, clock, table), atan2(along, out), hypot(along, out)
-    J = NOTHING
-    if with_tangent:
-        J = LOST
-        if not flags & (GRAZE | AMBIGUOUS | STUCK) and v_minus < 0.0 and new[2] > 0.0:
-            bend = slope_of(owner, v_minus, table)
-            J = slopes(angle, speed, frame, t, before, speeds, bend, table[GRAVITY])
-    return new, t, owner, flags, J
-
-
-def slopes(angle: float, speed: float, frame: Any, t: float, before: Any, speeds: Any, bend: float, g: float) -> Any:
-    """Return the Jacobian of a step, row by row: docs/table.md says how it is derived."""
-    nx, ny, curvature, omega, sx, sy = frame
-    _px, _py, vx, vy = before
-    v_minus, v_plus, along, mx, my, there, spin, ux, uy = speeds
-    push, drag = ux * mx + uy * my, uy * mx - ux * my  # the surface's velocity along its normal, and along itself
-    out, coming = v_plus + push, v_minus + push
-    size2 = out * out + along * along
-    wx, wy = velocity(nx, ny, angle, 1.0)
-    J = NOTHING
-    for j in range(4):
-        turned = speed * (curvature if j == 0 else (1.0 if j == 1 else (omega if j == 3 else 0.0)))
-        dwx, dwy = -wy * turned, wx * turned
-        dx, dy, later = 0.0, 0.0, 0.0
-        if j == 0:
-            dx, dy = -ny, nx
-        elif j == 2:
-            dwx, dwy = wx, wy
-        elif j == 3:
-            dx, dy, later = sx, sy, 1.0
-        dx, dy = dx + t * dwx - ux * later, dy + t * dwy - uy * later
-        late = -(mx * dx + my * dy) / v_minus
-        dwy -= g * late
-        shift = -my * (dx + (vx - ux) * late) + mx * (dy + (vy - uy) * late)
-        tilt = there * shift + spin * (later + late)
-        pushed = (there * drag - spin) * shift
-        away = bend * (mx * dwx + my * dwy + tilt * along - pushed) + pushed
-        beside = -my * dwx + mx * dwy - tilt * coming
-        J = replaced(J, j, shift)
-        J = replaced(J, 4 + j, (out * beside - along * away) / size2)
-        J = replaced(J, 8 + j, (out * away + along * beside) / sqrt(size2))
-        J = replaced(J, 12 + j, later + late)
-    return J
-
-
-def in_three(J: Any) -> Any:
-    """Return the part of a Jacobian that has no phase."""
-    return J[0], J[1], J[2], J[4], J[5], J[6], J[8], J[9], J[10]
-
-
-def collision(state: Any, c: Place) -> Any:
-    """Return (state, letter, outcome) of a step from impact to impact."""
-    new, _t, letter, outcome, _J = collide(state, 0.0, numbers_at(c.block), False)
-    return new, letter, outcome
-
-
-def derived(state: Any, c: Place) -> Any:
-    """Return a step with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, _t, letter, outcome, J = collide(state, 0.0, numbers_at(c.block), True)
-    return new, letter, outcome, (*in_three(J), NAN)
-
-
-def plain_collision(state: Any, block: Any) -> Any:
-    """Return a step as plain Python takes it: with the block of a table itself, of whatever length."""
-    new, _t, letter, outcome, _J = collide(state, 0.0, block, False)
-    return new, letter, outcome
-
-
-def plain_tangent(state: Any, block: Any) -> Any:
-    """Return a step with its Jacobian as plain Python takes it."""
-    new, _t, letter, outcome, J = collide(state, 0.0, block, True)
-    return new, letter, outcome, in_three(J)
-
-
-def timed(state: Any, table: Any, with_tangent: bool) -> Any:
-    """Return (state, letter, outcome, J) of a step of a table that is periodic in time."""
-    place, angle, speed, phase = state
-    new, t, letter, outcome, J = collide((place, angle, speed), phase, table, with_tangent)
-    later = 0.0 if outcome & ESCAPED else (phase + t) % period_of(table)
-    return (new[0], new[1], new[2], later), letter, outcome, J
-
-
-def timed_collision(state: Any, c: Place) -> Any:
-    """Return (state, letter, outcome) of a step of a table that is periodic in time."""
-    new, letter, outcome, _J = timed(state, numbers_at(c.block), False)
-    return new, letter, outcome
-
-
-def timed_derived(state: Any, c: Place) -> Any:
-    """Return such a step with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, letter, outcome, J = timed(state, numbers_at(c.block), True)
-    return new, letter, outcome, (*J, NAN)
-
-
-def plain_timed(state: Any, block: Any) -> Any:
-    """Return such a step as plain Python takes it."""
-    new, letter, outcome, _J = timed(state, block, False)
-    return new, letter, outcome
-
-
-def plain_timed_tangent(state: Any, block: Any) -> Any:
-    """Return such a step with its Jacobian as plain Python takes it."""
-    return timed(state, block, True)
 
 
 @lru_cache(maxsize=1)
@@ -212,15 +77,22 @@ def plain_block(table: Table, values: Any) -> Floats:
     return np.asarray(blocks[0])
 
 
-def blocks_at(blocks: Floats) -> Floats:
-    """Return the addresses of blocks, shape (columns, 1)."""
-    return blocks.ctypes.data + blocks.strides[0] * np.arange(len(blocks), dtype=np.float64)[:, None]
+def blocks_of(table: Table, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
+    """Return the addresses of a table's blocks at rows of parameters, shape (columns, 1), and the blocks.
+
+    Equal rows, of orbits at the same parameters, share a block.
+    """
+    known: dict[bytes, int] = {}
+    which = [known.setdefault(row.tobytes(), len(known)) for row in np.ascontiguousarray(rows)]
+    blocks = table.blocks(np.array([np.frombuffer(row) for row in known]), arithmetic)
+    return blocks.ctypes.data + blocks.strides[0] * np.array(which, float)[:, None], blocks
 
 
 class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
     stirred = ("angle",)
+    finder = "grazing.orbits.search_bounces:Bounced"
 
     def __init__(self, table: Table, on: str) -> None:
         self.table, self.impacts_on, self.on = table, table, on
@@ -237,9 +109,10 @@ class OfTable(Origin):
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
-        blocks = self.table.blocks(rows, arithmetic)
+        addresses, blocks = blocks_of(self.table, rows, arithmetic)
         tangent, step = (timed_derived, timed_collision) if self.table.period else (derived, collision)
-        return Derived(tangent, None, Place, blocks_at(blocks), blocks, step)
+        loop = compiled(abreast_loop(all_collided, 4 if self.table.period else 3), arithmetic)
+        return Derived(tangent, None, Place, addresses, blocks, step, loop)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
@@ -354,9 +227,10 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     """
     table = checked_table(table)
     if table.period == INFINITY:
+        who = "a strategy" if table.player.drains else "a recording"
         raise InputError(
-            "the flippers of the table are worked by a recording, which does not repeat: gz.trajectory and gz.launches "
-            "follow that; a map needs gz.flips(period, hold), or no player"
+            f"the flippers of the table are worked by {who}, which does not repeat: gz.trajectory "
+            "and gz.launches follow that; a map needs gz.flips(period, hold), or no player"
         )
     pins = [one.name for one in table.objects if one.kind == DISC and one.shape["radius"] + table.rho == 0.0]
     solids = [one.name for one in table.objects if one.kind != DRAIN and one.name not in pins]

@@ -8,10 +8,11 @@ from time import perf_counter
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call
-from grazing.outcome import DIVERGED, FATAL
+from grazing.outcome import DIVERGED, FATAL, InputError, listed, shown
+from grazing.parameter import in_order
 from grazing.pool import Progress, Task, run_tasks
 
 #: Oscillators are flown in pieces that end at multiples of so many periods from their start, whatever else is cut, so
@@ -41,6 +42,22 @@ class Columns(NamedTuple):
     near_miss: Floats
     slowest: Floats
     undecided: Ints
+
+
+def checked_columns(rows: ArrayLike, lanes: Floats, P: Any) -> Floats:
+    """Return the values of the parameters of a map, and refuse lanes that do not fit."""
+    wanted = f"{P.name} needs (columns, {len(P.params)}): {listed(P.params)}; and (columns, {P.dimension}, n): "
+    try:
+        table = np.array(in_order(rows), np.float64, ndmin=2)
+    except Exception:  # of whatever object was given
+        raise InputError(f"rows are {shown(rows)}; {wanted}{listed(P.coordinates)}") from None
+    floats = isinstance(lanes, np.ndarray) and lanes.dtype.kind == "f" and not np.ma.is_masked(lanes)
+    if not floats or not lanes.flags.writeable:
+        raise InputError(f"lanes are {shown(lanes)}; give an array of floats that can be written to")
+    fits = lanes.ndim == 3 and lanes.shape[:2] == (len(table), P.dimension)
+    if table.ndim != 2 or table.shape[1] != max(len(P.params), 1) or not fits:
+        raise InputError(f"rows have shape {table.shape} and lanes {lanes.shape}; {wanted}{listed(P.coordinates)}")
+    return table
 
 
 def empty_columns(columns: int, dimension: int, starts: int, keep: int, records: int) -> Columns:

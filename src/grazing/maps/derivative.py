@@ -29,7 +29,8 @@ class Derived(NamedTuple):
     ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row and then the logarithm of |det J|, NaN where it
     is not known apart from J; ``prepare`` and ``kind`` turn a row of ``rows`` into c.
     ``source`` is what these may point to: it must live as long as they are used. ``step`` is the step alone
-    where more is to be left out for it than what a compiler leaves out by itself.
+    where more is to be left out for it than what a compiler leaves out by itself; ``loop`` the compiled loop around it,
+    as :func:`grazing.kernel.lanes.loop_of` describes it, where orbits side by side are quicker than one by one.
     """
 
     tangent: Callable[..., Any]
@@ -38,6 +39,7 @@ class Derived(NamedTuple):
     rows: Floats
     source: Any
     step: Callable[..., Any] | None = None
+    loop: Callable[..., None] | None = None
 
 
 def units_of(box: Sequence[tuple[float, float]]) -> tuple[float, ...]:

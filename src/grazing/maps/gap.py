@@ -60,6 +60,8 @@ PIECES: dict[str, Any] = {"pieces": {"L": left, "R": right}, "border": border}
 class Words(Formula):
     """The origin of a gap map: its orbits are solved word by word."""
 
+    finder = "grazing.orbits.gap_orbits:Words"
+
     def orbits(self, word: str, params: Mapping[str, float]) -> Sequence[WordOrbit]:
         """Return all orbits of a word, admissible or virtual."""
         return word_orbits(word, params["lam"], params["mu"], params["l"])

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from grazing.outcome import InputError, listed, shown
+from grazing.parameter import whole
 
 #: Impacts between two walls that a letter can tell apart, and what stands for more: 3**19 is below 2**31.
 MOST = 19
@@ -101,7 +102,8 @@ class Names(Alphabet):
 
     def symbol(self, letter: int) -> str:
         """Return what stands for a letter in a word."""
-        if not 0 <= letter < len(self.names):
+        letter = whole(letter, "letter", 0)
+        if letter >= len(self.names):
             raise InputError(f"letter {letter} has no name; allowed are 0 to {len(self.names) - 1}: {self}")
         name = self.names[letter]
         return name if len(name) == 1 else f"({name})"

@@ -27,8 +27,9 @@ from grazing.oscillator.contact import (
     placed,
 )
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
-from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.model import checked_model
 from grazing.oscillator.pointed import POINTED
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 from grazing.systems.contract import System
@@ -155,7 +156,7 @@ class Struck(OfOscillator):
         return last[:, 0] - first[:, 0] + letters * (2.0 * np.pi / omega)
 
 
-def impact_map(model: Oscillator | Walled | System) -> Map:
+def impact_map(model: Rig | System) -> Map:
     """Return an oscillator, or a system of one's own, as a map from one impact to the next.
 
     Parameters
@@ -188,7 +189,7 @@ def impact_map(model: Oscillator | Walled | System) -> Map:
         return impact_map_of_system(model)
     if isinstance(model, Walled):
         return walled_impact_map(model)
-    checked_model(model)
+    model = checked_model(model)
     law = model.reset
     return Map(
         return_step_of(law.law, law.slope, law.contraction),

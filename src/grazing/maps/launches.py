@@ -2,44 +2,57 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from functools import lru_cache, partial
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from functools import partial
 from itertools import islice
 from math import pi
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import next_impact
 from grazing.billiard.flown import BEFORE, FLAGS, OWNER, TIME, flights_of
-from grazing.billiard.hit import way_at
 from grazing.billiard.objects import two_of
-from grazing.billiard.rows import THINGS
+from grazing.billiard.plunger import PLACE
+from grazing.billiard.rows import CIRCLES
 from grazing.billiard.table import AWAY, Table
+from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.elementary import sincos
-from grazing.kernel.primitives import inlined, numbers, numbers_at
-from grazing.maps.collisions import blocks_at, checked_table, fastest, plain_block
+from grazing.kernel.lanes import abreast_loop
+from grazing.maps.collisions import blocks_of, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
+from grazing.maps.launch import (
+    ROUNDS,
+    Launch,
+    all_launched,
+    heading,
+    launched,
+    launched_derived,
+    launcher,
+    plain_launched,
+    plain_tangent,
+)  # fmt: skip
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, ESCAPED, FATAL, OK, TOO_MANY_IMPACTS, InputError, shown
-from grazing.parameter import Parameter, real, whole
+from grazing.outcome import AMBIGUOUS, ESCAPED, InputError, shown
+from grazing.parameter import Parameter, in_order, real, whole
+from grazing.pool import run_tasks
 
 if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
-#: Angles beyond which the sines of kernels are not meant.
-FAR = 1e5
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
-#: Impacts that may be asked for: so many take a moment, in which nothing stops the kernel.
+#: Speeds of the plunger that are tried, unless said.
+SPEEDS = 200
+#: Launches of one task.
+TOGETHER = 8192
+#: Impacts that may be asked for.
 MOST = 1_000_000
 COORDINATES = {
     one.name: one
@@ -59,89 +72,7 @@ OWN = {
 }
 
 
-class Launch(NamedTuple):
-    """What a kernel needs of a launch: where the block of a table lies, the ball, and most impacts."""
-
-    block: Any
-    x: float
-    y: float
-    hits: float
-
-
-@inlined
-def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> Any:
-    """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
-    left, t, outcome = -1.0, 0.0, OK
-    for hits in range(most + 1):
-        (_surface, owner, length, flags, on), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
-        outcome |= flags
-        t += length
-        if flags & FATAL:
-            return -1, hits, t, outcome
-        if flags & ESCAPED:
-            return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
-        left, (x, y, vx, vy) = on, after
-    return -1, most, t, outcome | TOO_MANY_IMPACTS
-
-
-@inlined
-def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
-    """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
-    angle, speed = state
-    way = way_at(angle, table)
-    if speed == 0.0 and way >= 0 and way == angle:
-        return (1.0 * way, 0.0), way, ESCAPED
-    s, c = heading(angle)
-    way, _hits, _t, outcome = launch(x, y, speed * c, speed * s, most, table)
-    if outcome & FATAL:
-        return (NAN, NAN), 0, outcome
-    return (1.0 * way, 0.0), way, outcome
-
-
-def launched(state: Any, c: Launch) -> Any:
-    """Return (state, letter, outcome) of a launch."""
-    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-
-
-def launched_derived(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
-
-
-def plain_launched(state: Any, c: Any) -> Any:
-    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
-    return way_out(state, c.x, c.y, int(c.hits), c.block)
-
-
-def plain_tangent(state: Any, c: Any) -> Any:
-    """Return a launch with its Jacobian as plain Python takes it."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
-
-
-def heading(angle: float) -> tuple[float, float]:
-    """Return sine and cosine of an angle, with the bits of a browser; beyond 1e5 whole turns are taken off first."""
-    return sincos(angle if abs(angle) < FAR else angle % (2.0 * pi))
-
-
-def fan(
-    block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
-    outcomes: Any,
-) -> None:  # fmt: skip
-    """Launch a ball at all angles and speeds of two lists."""
-    table = numbers(block)
-    for i in range(len(angles)):
-        s, c = heading(angles[i])
-        for j in range(len(speeds)):
-            vx, vy = speeds[j] * c, speeds[j] * s
-            ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
-
-
-@lru_cache(maxsize=1)
-def launcher() -> Callable[..., None]:
-    """Compile :func:`fan`."""
-    return compiled(fan)
+*POINT, HITS_OF = OWN
 
 
 def exactly(table: Table, x: float, y: float, angle: float, speed: float, most: int) -> tuple[int, int, float, int]:
@@ -159,9 +90,13 @@ class OfLaunches(Origin):
     """The origin of the map of launches of a table."""
 
     exact = True
+    together = TOGETHER
 
-    def __init__(self, table: Table) -> None:
+    def __init__(self, table: Table, own: Sequence[str]) -> None:
         self.table = table
+        names = [*table.params, *own]
+        #: Where the numbers of a launch stand in a row of parameters.
+        self.where = [names.index(name) for name in (*(PLACE if len(own) == 1 else POINT), HITS_OF)]
 
     @property
     def config(self) -> dict[str, str]:
@@ -170,16 +105,24 @@ class OfLaunches(Origin):
 
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values."""
-        own = {name: value for name, value in params.items() if name not in OWN}
-        x, y, hits = (params[name] for name in OWN)
-        return launch_map(self.table.replace(**own), (x, y), int(hits))
+        own = {name: value for name, value in params.items() if name in self.table.params}
+        x, y, hits = (list(params.values())[i] for i in self.where)
+        return launch_map(self.table.replace(**own), (x, y) if POINT[0] in params else None, int(hits))
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
         n = len(self.table.params)
-        blocks = self.table.blocks(rows[:, :n], arithmetic)
-        numbers = np.hstack([blocks_at(blocks), rows[:, n:]])
-        return Derived(launched_derived, None, Launch, numbers, blocks, launched)
+        addresses, blocks = blocks_of(self.table, rows[:, :n], arithmetic)
+        numbers = np.hstack([addresses, rows[:, self.where]])
+        return Derived(
+            launched_derived,
+            None,
+            Launch,
+            numbers,
+            blocks,
+            launched,
+            compiled(abreast_loop(all_launched, 2), arithmetic),
+        )
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
@@ -187,22 +130,22 @@ class OfLaunches(Origin):
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a launch in exact arithmetic."""
-        n = len(self.table.params)
         table = self.table.at(dict(zip(self.table.params, row, strict=False)))
-        way, _hits, _t, flags = exactly(table, row[n], row[n + 1], state[0], state[1], int(row[n + 2]))
+        x, y, hits = (row[i] for i in self.where)
+        way, _hits, _t, flags = exactly(table, x, y, state[0], state[1], int(hits))
         new = (float(way), 0.0) if way >= 0 else (NAN, NAN)
         return Settled(new, max(way, 0), flags, INFINITY, INFINITY)
 
 
-def launch_map(table: Table, point: Sequence[float], hits: int = HITS) -> Map:
+def launch_map(table: Table, point: Sequence[float] | None = None, hits: int = HITS) -> Map:
     """Return the map of launches from a point of a pinball table: one step is the whole way of a ball.
 
     Parameters
     ----------
     table : Table
         Of :func:`grazing.table`.
-    point : (x, y)
-        Where the ball's centre is launched.
+    point : (x, y), optional
+        Where the ball's centre is launched; in the table's plunger if not given.
     hits : int
         Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
 
@@ -212,7 +155,7 @@ def launch_map(table: Table, point: Sequence[float], hits: int = HITS) -> Map:
         State (angle, speed) of a launch, the angle from the x axis. The letter of a step is the drain through which
         the ball leaves, or *away*. It then rests there, a state of speed 0 whose angle is the number of that way out:
         so ways out are attractors, and :func:`grazing.basins` draws which launches lead to each. Parameters are those
-        of the table, ``launch.x``, ``launch.y`` and ``launch.hits``.
+        of the table, ``launch.x`` and ``launch.y`` if a point is given, and ``launch.hits``.
 
     Raises
     ------
@@ -232,33 +175,39 @@ def launch_map(table: Table, point: Sequence[float], hits: int = HITS) -> Map:
     ['(short)', '(far)']
     """
     table = checked_table(table)
-    values = checked_launch(table, point, hits)
-    clash = [name for name in OWN if name in table.params]
-    if clash:
+    values = dict(zip(OWN, checked_launch(table, point, hits), strict=True))
+    if table.player.drains:
+        raise InputError("a strategy looks at the ball, which compiled maps cannot: gz.launches follows it")
+    if any(name in table.params for name in OWN):
         raise InputError("an object is called 'launch', as the parameters of a launch are; give it another name")
-    params = {**table.params, **dict(zip(OWN, values, strict=True))}
-    fast = fastest(table.params)
+    if point is None:  # its place is a parameter of the table
+        values = {HITS_OF: values[HITS_OF]}
+    fast, aim, shot = fastest(table.params), 0.5 * pi, table.plunger
+    origin = OfLaunches(table, tuple(values))
     return Map(
         plain_launched,
-        params=params,
+        params={**table.params, **values},
         coordinates=tuple(COORDINATES),
-        box=((0.0, pi), (0.1 * fast, fast)),
+        box=((shot.angle - aim, shot.angle + aim), (shot.slow, shot.fast)) if point is None and shot
+        else ((0.0, pi), (0.1 * fast, fast)),
         letters=Names((*table.names, AWAY)),
-        prepare=partial(_plain, table),
+        prepare=partial(_plain, table, origin.where),
         tangent=plain_tangent,
         name="launch map",
-        origin=OfLaunches(table),
-    )
+        origin=origin,
+    )  # fmt: skip
 
 
-def _plain(table: Table, p: Any) -> Launch:
-    n = len(table.params)
-    return Launch(plain_block(table, p[:n]), *p[n:])  # itself, in place of where it lies
+def _plain(table: Table, where: Sequence[int], p: Any) -> Launch:
+    block = plain_block(table, p[: len(table.params)])
+    return Launch(block, *(p[i] for i in where))  # itself, in place of where it lies
 
 
 def checked_launch(table: Table, point: Any, hits: Any) -> tuple[float, float, float]:
     """Return where a ball is launched and its most impacts, or raise InputError."""
-    pair = two_of(point)
+    if point is None and table.plunger is None:
+        raise InputError("the table has no plunger; give the point (x, y) where the ball is launched")
+    pair = two_of((table.plunger.x, table.plunger.y) if point is None and table.plunger else point)
     if len(pair) != 2:
         raise InputError(f"point is {shown(point)}; give (x, y), where the ball is launched")
     x, y = (
@@ -277,7 +226,7 @@ def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
     """Return finite numbers in one list, or raise InputError."""
     try:
         items = values if isinstance(values, Iterable) and not _is_one(values) else [values]
-        found = np.array([real(x, name, "") for x in islice(iter(items), MOST + 1)])
+        found = np.array([real(x, name, "") for x in islice(iter(in_order(items)), MOST + 1)])
     except Exception:  # of whatever object was given
         found = np.empty(0)
     if not 0 < len(found) <= MOST or found.min() < least:
@@ -286,21 +235,34 @@ def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
     return found
 
 
-def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: ArrayLike, hits: int = HITS) -> xr.Dataset:
+def _flown(block: Floats, launch: tuple[float, float, int], part: Sequence[Any]) -> Iterator[None]:
+    """Fly launches, angles and speeds and then what is found of each, side by side."""
+    w, job = np.empty(room_for(int(block[CIRCLES]))), np.array([0, 0])
+    while job[0] < len(part[0]) or job[1] > 0:  # some rounds at a time, so that it can be stopped
+        call(launcher(), block, w, job, ROUNDS, *launch, *part)
+        yield
+
+
+def launches(
+    table: Table, point: Sequence[float] | None = None, angle: ArrayLike | None = None, speed: ArrayLike | None = None,
+    hits: int = HITS, *, threads: int | None = None,
+) -> xr.Dataset:  # fmt: skip
     """Launch a ball at many angles and speeds: how each leaves the table, after how many impacts, and when.
 
     Parameters
     ----------
     table : Table
         Of :func:`grazing.table`.
-    point : (x, y)
-        Where the ball's centre is launched.
-    angle : array_like, shape (m,)
-        Angles from the x axis, in radians.
-    speed : array_like, shape (n,)
-        Speeds, >= 0.
+    point : (x, y), optional
+        Where the ball's centre is launched; in the table's plunger if not given.
+    angle : array_like, shape (m,), optional
+        Angles from the x axis, in radians; that of the plunger if not given.
+    speed : array_like, shape (n,), optional
+        Speeds, >= 0; 200 of the plunger's if not given.
     hits : int
         Impacts after which a ball that has not left is given up, with outcome *too_many_impacts*; a million at most.
+    threads : int, optional
+        One per processor if not given. The result does not depend on it.
 
     Returns
     -------
@@ -326,19 +288,23 @@ def launches(table: Table, point: Sequence[float], angle: ArrayLike, speed: Arra
 
     table = checked_table(table)
     x, y, most = checked_launch(table, point, hits)
+    if angle is None or speed is None:
+        if table.plunger is None:
+            raise InputError("the table has no plunger; give the angles and the speeds of the launches")
+        angle = table.plunger.angle if angle is None else angle
+        speed = np.linspace(table.plunger.slow, table.plunger.fast, SPEEDS) if speed is None else speed
     angles, speeds = _listed(angle, "angle"), _listed(speed, "speed", 0.0)
     shape = len(angles), len(speeds)
     refuse_too_large(64 * shape[0] * shape[1], f"launch fewer than {shape[0]} x {shape[1]}")
     ways, count, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
     block = table.blocks(table.row())[0]
-    few = max(1, MOST // int(most))
-    for i in range(shape[0]):
-        for j in range(0, shape[1], few):  # a few at a time, so that it can be stopped
-            at = slice(i, i + 1), slice(j, j + few)
-            call(launcher(), block, x, y, int(most), angles[at[0]], speeds[at[1]],
-                 ways[at], count[at], times[at], outcomes[at])  # fmt: skip
-    for i, j in np.argwhere(outcomes & AMBIGUOUS):
+    each = [grid.ravel() for grid in np.meshgrid(angles, speeds, indexing="ij")]
+    flat = [*each, *(one.reshape(-1) for one in (ways, count, times, outcomes))]
+    parts = [[one[first : first + TOGETHER] for one in flat] for first in range(0, len(each[0]), TOGETHER)]
+    asked = bool(table.player.drains)  # a function of the user's: one by one
+    run_tasks([] if asked else [partial(_flown, block, (x, y, int(most)), part) for part in parts], threads)
+    for i, j in np.ndindex(shape) if asked else np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found
     names = np.array([*table.names, AWAY, ""])

@@ -16,7 +16,15 @@ from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
 from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
-from grazing.maps.columns import Columns, empty_columns, run_columns, size_of_columns, stay_ended, step_tasks
+from grazing.maps.columns import (
+    Columns,
+    checked_columns,
+    empty_columns,
+    run_columns,
+    size_of_columns,
+    stay_ended,
+    step_tasks,
+)
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
@@ -29,6 +37,8 @@ from grazing.parameter import (
     checked_box,
     checked_coordinates,
     checked_params,
+    checked_text,
+    in_order,
     parameter_tuple,
     parameters,
     updated,
@@ -169,6 +179,11 @@ class Map(ByValue):
     formulas: Formulas | None = field(init=False, repr=False, compare=False, default=None)
 
     def __post_init__(self) -> None:
+        if self.name is not None and not isinstance(self.name, str):
+            raise InputError(f"name is {shown(self.name)}; give a text, or leave it out")
+        for function in ("step", "prepare", "tangent"):
+            if not (getattr(self, function) is None or callable(getattr(self, function))):
+                raise InputError(f"{function} is {shown(getattr(self, function))}; give a function, or leave it out")
         params = checked_params(self.params)
         coordinates = checked_coordinates(self.coordinates)
         box = checked_box(self.box, coordinates)
@@ -317,7 +332,8 @@ class Map(ByValue):
         points (keep, dim, n), letters (keep, n), outcomes (records, n)
         """
         row = self.packed()[1][None]
-        found = self.run_columns(row, lanes[None], transient, keep, records=records, arithmetic=arithmetic, threads=1)
+        there = lanes[None] if isinstance(lanes, np.ndarray) else lanes
+        found = self.run_columns(row, there, transient, keep, records=records, arithmetic=arithmetic, threads=1)
         return found.points[0], found.letters[0], found.outcomes[0]
 
     def run_columns(
@@ -374,21 +390,15 @@ class Map(ByValue):
         >>> found.letters[1, :, 0].tolist()
         [0, 1, 0, 0, 1, 0]
         """
-        names = tuple(self.params)
-        table = np.array(rows, np.float64, ndmin=2)
-        fits = lanes.ndim == 3 and lanes.shape[:2] == (len(table), self.dimension)
-        if table.ndim != 2 or table.shape[1] != max(len(names), 1) or not fits:
-            raise InputError(
-                f"rows have shape {table.shape} and lanes {lanes.shape}; {self.name} needs (columns, {len(names)}): "
-                f"{', '.join(names)}; and (columns, {self.dimension}, n): {', '.join(self.coordinates)}"
-            )
+        table = checked_columns(rows, lanes, self)
         transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 0)
-        if arithmetic not in FLAGS:
+        if not isinstance(arithmetic, str) or arithmetic not in FLAGS:
             raise InputError(f"arithmetic is {shown(arithmetic)}; allowed are 'strict' and 'fast'")
-        if algorithm not in (None, "block", "scalar"):
+        if algorithm is not None and not (isinstance(algorithm, str) and algorithm in ("block", "scalar")):
             raise InputError(f"algorithm is {shown(algorithm)}; allowed are 'block' and 'scalar'")
+        records = whole(records, "records", 1)
         if records not in (1, max(keep, 1)):
-            raise InputError(f"records = {shown(records)}; allowed are 1 and keep = {keep}")
+            raise InputError(f"records = {records}; allowed are 1 and keep = {keep}")
         shape = len(table), self.dimension, lanes.shape[2], keep, records
         refuse_too_large(
             size_of_columns(*shape),
@@ -426,14 +436,13 @@ class Map(ByValue):
         known = self.origin
         if known.block is not None:
             return known.block(kind, rows, lanes, transient, found, arithmetic, block)  # type: ignore[no-any-return]
-        who, step, prepare, source = f"the step of {self.name}", self._full_step, self.prepare, None
+        who, step, prepare, source, loop = f"the step of {self.name}", self._full_step, self.prepare, None, None
         if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
-            tangent, prepare, kind, rows, source, alone = known.derivative(rows, arithmetic)
+            tangent, prepare, kind, rows, source, alone, loop = known.derivative(rows, arithmetic)
             who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
-        if prepare is None:
+        if loop is None and prepare is None:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
-        else:
-            loop = runner(step, prepare, kind, self.dimension, arithmetic)
+        loop = loop or runner(step, prepare, kind, self.dimension, arithmetic)
         return step_tasks(loop, rows, lanes, transient, found, who, source)
 
     def jacobian(self, state: ArrayLike) -> NDArray[np.float64]:
@@ -475,7 +484,7 @@ class Map(ByValue):
         try:
             if np.iscomplexobj(state):
                 raise TypeError
-            start = np.atleast_1d(np.asarray(state, dtype=np.float64))
+            start = np.atleast_1d(np.asarray(in_order(state), dtype=np.float64))
         except Exception:  # of whatever object was given, or of one too large
             raise InputError(
                 f"state is {shown(state)}; give {self.dimension} numbers ({', '.join(self.coordinates)})"
@@ -491,7 +500,7 @@ class Map(ByValue):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or coordinate: symbol, meaning, range, units."""
-        known = self.origin.describe(name)
+        known = self.origin.describe(checked_text(name))
         if known is not None:
             return known
         full = "lambda" if name == "lam" else name

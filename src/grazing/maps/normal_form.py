@@ -19,8 +19,8 @@ from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.parameters import damped, describe_parameter
 from grazing.oscillator.reset import in_python
 from grazing.oscillator.spring import refuse_stiffness
-from grazing.outcome import InputError, OutsideForm
-from grazing.parameter import checked_name, parameters
+from grazing.outcome import InputError, OutsideForm, shown
+from grazing.parameter import checked_name, in_order, parameters, real
 
 #: Without damping, sin(k T/2) that is 0 to rounding: k is a multiple of omega.
 RESONANT = 1e-12
@@ -51,6 +51,18 @@ def steady_minimum(model: Oscillator) -> tuple[float, float]:
     if c.k2 == 0.0 and c.F0 != 0.0:
         raise OutsideForm("k = 0 with a constant force: the ball drifts for ever; the graze needs k > 0")
     return steady_low(c)
+
+
+def _numbers(values: ArrayLike, name: str, last: int = 0) -> NDArray[np.float64]:
+    """Return finite numbers in an array, of shape (..., last) if given, or raise InputError."""
+    try:
+        found = np.asarray(in_order(values))
+    except Exception:  # of whatever object was given
+        found = np.empty(0, object)
+    fits = not last or found.shape[-1:] == (last,)
+    if found.dtype.kind not in "iuf" or not fits or not np.isfinite(found).all():
+        raise InputError(f"{name} = {shown(values)}; give finite numbers" + f" of shape (..., {last})" * bool(last))
+    return found.astype(np.float64)
 
 
 def clearance_of(model: Oscillator, name: str) -> Callable[[float], float]:
@@ -155,14 +167,15 @@ class NormalForm:
         """
         clearance = clearance_of(self.model, self.name)
         factor = mu_factor(self.lam, self.det, self.acceleration, self.b, self.r)
-        if np.ndim(value) == 0:
-            return factor * clearance(float(np.asarray(value)))
-        return np.array([factor * clearance(float(x)) for x in np.asarray(value).ravel()]).reshape(np.shape(value))
+        values = _numbers(value, self.name)
+        found = np.array([factor * clearance(x) for x in values.ravel().tolist()]).reshape(values.shape)
+        return found if values.ndim else float(found)
 
     def parameter(self, mu: float) -> float:
         """Return the value of the parameter at which μ is ``mu``, on the branch through the graze."""
         from scipy.optimize import brentq
 
+        mu = real(mu, "mu", "give a finite number")
         if mu == 0.0:
             return self.graze
         h = 1e-4 * max(self.model.unit_of(self.name), abs(self.graze))
@@ -206,7 +219,7 @@ class NormalForm:
         x = v^2 - 2A(u - sigma); y = -[d x + 2Abv + 2A(d g1 - b g2)]. Then x' - v'^2 = λ x + y + ρ - a v^2 exactly,
         ρ = 2A[(d g1 - b g2) - g1]: the paper's linear map holds up to the squares of the velocities.
         """
-        w = np.asarray(states, dtype=np.float64)
+        w = _numbers(states, "states", 2)
         _a, b, _c, d = self.entries
         g1, g2 = self._drift(self.model)
         A = self.acceleration
@@ -215,7 +228,7 @@ class NormalForm:
 
     def from_xy(self, points: ArrayLike) -> NDArray[np.float64]:
         """Return the states (u, v) of points (x, y); the inverse of :meth:`to_xy`."""
-        q = np.asarray(points, dtype=np.float64)
+        q = _numbers(points, "points", 2)
         _a, b, _c, d = self.entries
         g1, g2 = self._drift(self.model)
         A = self.acceleration

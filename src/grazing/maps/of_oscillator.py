@@ -25,10 +25,12 @@ Floats = NDArray[np.float64]
 class OfRig(Origin):
     """The origin of a map of an oscillator, over one wall or between several: units, mass and base are the model's."""
 
+    rig: Rig
+
     @property
-    def rig(self) -> Rig:
-        """The model."""
-        return self.model if self.model is not None else self.walled  # type: ignore[no-any-return]
+    def finder(self) -> str:
+        """What finds periodic orbits: where the map shows the oscillator exactly, by the equations of its impacts."""
+        return super().finder if self.section is None else "grazing.orbits.search_section:Sections"
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or coordinate."""
@@ -59,8 +61,7 @@ class OfRig(Origin):
     @property
     def config(self) -> dict[str, str]:
         """The base, which makes forces from other parameters, and reset laws of one's own, each by name and content."""
-        laws = [wall.law for wall in self.walled.walls] if self.model is None else [self.model.reset]
-        own = ", ".join(f"{law.name} {digest(law.law)[:16]}" for law in laws if law.own)
+        own = ", ".join(f"{one.law.name} {digest(one.law.law)[:16]}" for one in self.rig.walls if one.law.own)
         return ({} if self.rig.base is None else {"base": self.rig.base.text}) | ({"law": own} if own else {})
 
 
@@ -73,7 +74,8 @@ class OfOscillator(OfRig):
     model: Oscillator
 
     def __init__(self, model: Oscillator) -> None:
-        self.model, self.exact = model, model.reset.exact_slope
+        self.model = self.rig = model
+        self.exact = model.reset.exact_slope
 
     @staticmethod
     def form(at: Reach, paper: bool) -> Box:

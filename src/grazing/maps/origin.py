@@ -59,10 +59,12 @@ class Origin(ByValue):
         Whether orbits that leave the box by many times its size, and go on growing, have diverged.
     model : Oscillator, optional
         The oscillator over one wall at rest that the map shows.
-    walled : Walled, optional
-        The oscillator between walls of its own that the map shows at the strobe.
+    rig : Rig, optional
+        The oscillator that the map shows, over one wall or between several; ``walled`` if these are walls of its own.
     impacts_on : Table, optional
         The table of which the steps of the map are the impacts, one each.
+    together : int
+        Orbits that are worth computing in one go, where the map knows; else 0.
     stirred : tuple of str
         Coordinates in which copies of an orbit are moved a little to part from it, in their own units; all if empty.
     section : {"strobe", "impact"}, optional
@@ -81,10 +83,21 @@ class Origin(ByValue):
     exact: bool = True
     sized: ClassVar[bool] = False
     model: Any = None
-    walled: Any = None
+    rig: Any = None
     impacts_on: Any = None
+    together: ClassVar[int] = 0
     stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
+
+    @property
+    def finder(self) -> str:
+        """What finds the map's periodic orbits, ``module:class``, see :mod:`grazing.orbits.finder`."""
+        return "grazing.orbits.search_steps:Steps"
+
+    @property
+    def walled(self) -> Any:
+        """The oscillator between walls of its own that the map shows; None for any other map."""
+        return self.rig if self.rig is not None and self.rig.walled else None
 
     def __bool__(self) -> bool:
         return type(self) is not Origin

@@ -124,7 +124,7 @@ def pointed_derivative(given: Derived, dimension: int, who: str) -> Derived:
     who : str
         Who is to blame if it does not compile.
     """
-    tangent, prepare, kind, rows, source, _step = given
+    tangent, prepare, kind, rows, source, *_loops = given
     code = tangent_address(tangent, prepare, kind, dimension, who)
     if prepare is not None:
         rows = prepared_rows(prepare, kind, rows, who)

@@ -21,8 +21,9 @@ from grazing.maps.starting import strobe_box
 from grazing.maps.walled import walled_map
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.exact import exact_period
-from grazing.oscillator.model import Oscillator, checked_model, checked_phase
+from grazing.oscillator.model import checked_model, checked_phase
 from grazing.oscillator.pointed import POINTED
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
 from grazing.outcome import CHATTER, defined, told
 from grazing.parameter import parameters
@@ -138,7 +139,7 @@ class Strobed(OfOscillator):
         return said[0] if said else f"the reset law {law.name} returned what it must not{defined(law.law)}"
 
 
-def stroboscopic_map(model: Oscillator | Walled | System, phase: float = 0.0) -> Map:
+def stroboscopic_map(model: Rig | System, phase: float = 0.0) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
     Parameters
@@ -167,7 +168,7 @@ def stroboscopic_map(model: Oscillator | Walled | System, phase: float = 0.0) ->
         return map_of_system(model, phase)
     if isinstance(model, Walled):
         return walled_map(model, checked_phase(model, phase))
-    checked_model(model)
+    model = checked_model(model)
     law = model.reset
 
     return Map(

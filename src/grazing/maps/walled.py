@@ -19,6 +19,7 @@ from grazing.maps.of_oscillator import OfRig, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
 from grazing.maps.settle import Settled, said_in_flight
 from grazing.oscillator.between import impacts_between_of
+from grazing.oscillator.constants import refuse_to_compile
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.facing import fill_frames
@@ -34,11 +35,12 @@ from grazing.oscillator.frames import (
     plain_frames,
     seen_at_strobe,
     seen_from_strobe,
+    walls_at_strobe,
 )  # fmt: skip
 from grazing.oscillator.impacts import impacts_of
+from grazing.oscillator.legs import flown_legs
 from grazing.oscillator.pointed import POINTED, law_kind, strike_address
 from grazing.oscillator.walled import Walled
-from grazing.oscillator.walled_trajectory import walled_legs
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -199,28 +201,29 @@ def between_walls(harmonics: int, walls: int) -> Setting:
 class Strobed(OfRig):
     """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
 
-    walled: Walled
+    section = "strobe"
+    rig: Walled
 
     def __init__(self, walled: Walled) -> None:
-        self.walled = walled
+        self.rig = walled
         self.exact = all(wall.law.exact_slope for wall in walled.walls)
 
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values, from a model that checks their ranges."""
         own, phase = apart(params)
-        return walled_map(self.walled.replace(**own), phase)
+        return walled_map(self.rig.replace(**own), phase)
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step with the laws by address: compiled once for all."""
-        numbers, source = frames_rows(self.walled, np.ascontiguousarray(rows), arithmetic)
-        H = self.walled.harmonics
+        numbers, source = frames_rows(self.rig, np.ascontiguousarray(rows), arithmetic)
+        H = self.rig.harmonics
         return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
 
     def block(
         self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
     ) -> list[Task]:
         """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does."""
-        model = self.walled
+        model = self.rig
         numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
         laws = [one.law for one in model.walls]
         strikes = [strike_address(law.law, law.name, law_kind(law), arithmetic) for law in laws]
@@ -233,16 +236,16 @@ class Strobed(OfRig):
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a ball inside a wall."""
-        self.walled.refuse_inside(float(state[0]), params["phase"])
+        self.rig.refuse_inside(float(state[0]), params["phase"])
 
     def settle(self, row: Sequence[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in ball arithmetic; None where no precision decides."""
-        own, phase = apart(dict(zip([*self.walled.params, "phase"], row, strict=True)))
-        proven = exact_period(self.walled.replace(**own), (state[0], state[1]), phase)
+        own, phase = apart(dict(zip([*self.rig.params, "phase"], row, strict=True)))
+        proven = exact_period(self.rig.replace(**own), (state[0], state[1]), phase)
         if proven is None:
             return None
         letter = proven.impacts
-        if len(self.walled.walls) > 1:
+        if len(self.rig.walls) > 1:
             letter = 0
             for wall in proven.walls:
                 letter = 3 * letter + wall + 1
@@ -255,22 +258,23 @@ class Strobed(OfRig):
 
     def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
         """Say what a reset law did wrong in the step from a state."""
-        own, phase = apart(dict(zip([*self.walled.params, "phase"], row, strict=True)))
-        model = self.walled.replace(**own)
-        fly = partial(walled_legs, model, (state[0], state[1]), phase, phase + model.period, MAX_IMPACTS)
+        own, phase = apart(dict(zip([*self.rig.params, "phase"], row, strict=True)))
+        model = self.rig.replace(**own)
+        fly = partial(flown_legs, model, (state[0], state[1]), phase, phase + model.period, MAX_IMPACTS)
         return said_in_flight(fly, "a reset law")
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time that orbits took for so many steps, each of a period."""
-        return periods_passed(list(self.walled.params).index("omega"), rows, first, last, letters, steps)
+        return periods_passed(list(self.rig.params).index("omega"), rows, first, last, letters, steps)
 
     def boxes(self, rows: Floats) -> Floats:
         """Return the boxes at parameter values."""
-        return np.array([box_of(self.walled, row) for row in rows.tolist()]).reshape(-1, 2, 2)
+        return np.array([box_of(self.rig, row) for row in rows.tolist()]).reshape(-1, 2, 2)
 
 
 def walled_map(model: Walled, phase: float) -> Map:
     """Return the stroboscopic map of an oscillator between walls; :func:`grazing.stroboscopic_map` calls this."""
+    refuse_to_compile(model.harmonics)
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
     params = {**model.params, "phase": phase}
     return Map(
@@ -292,11 +296,10 @@ def _plain(model: Walled, p: Any) -> Frames:
 
 def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
     """Return where starts are drawn: between the walls, or as far from the only one as orbits go by an estimate."""
-    c = plain_frames(model, np.array(row))
-    reach = model.reach_at(row[:-1])
-    speed = max(min(one.speed, one.after) if c.two else one.speed for one in reach)
-    low, high = c.za, c.zb
-    if not c.two:
-        low, high = sorted((c.za, c.za + c.side * reach[0].height))
+    (low, slow), (high, fast) = walls_at_strobe(model, np.array(row))
+    reach, two = model.reach_at(row[:-1]), len(model.walls) > 1
+    speed = max(min(one.speed, one.after) if two else one.speed for one in reach)
+    if not two:
+        low, high = sorted((low, low + model.walls[0].sign * reach[0].height))
     edge = 1e-3 * (high - low)
-    return (low + edge, high - edge), (min(c.wa, c.wb) - speed, max(c.wa, c.wb) + speed)
+    return (low + edge, high - edge), (min(slow, fast) - speed, max(slow, fast) + speed)

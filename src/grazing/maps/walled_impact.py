@@ -19,10 +19,9 @@ from grazing.maps.settle import said_in_flight
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, placed
 from grazing.oscillator.frames import Frames, first_contact, frame_of, frames_kind, frames_of, frames_rows, plain_frames
-from grazing.oscillator.legs import MAX_IMPACTS
+from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
-from grazing.oscillator.walled_trajectory import walled_legs
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
 
 Floats = NDArray[np.float64]
@@ -128,46 +127,46 @@ class Returned(OfRig):
 
     section = "impact"
     sized = True
-    walled: Walled
+    rig: Walled
 
     def __init__(self, walled: Walled) -> None:
-        self.walled = walled
+        self.rig = walled
         self.exact = all(wall.law.exact_slope for wall in walled.walls)
 
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values, from a model that checks their ranges."""
-        return walled_impact_map(self.walled.replace(**params))
+        return walled_impact_map(self.rig.replace(**params))
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step with the laws by address: compiled once for all."""
         source = np.ascontiguousarray(np.column_stack([rows, np.zeros(len(rows))]))
-        numbers, kept = frames_rows(self.walled, source, arithmetic)
-        H = self.walled.harmonics
+        numbers, kept = frames_rows(self.rig, source, arithmetic)
+        H = self.rig.harmonics
         return Derived(return_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, kept)
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a velocity into the only wall; of two walls its sign says which was hit."""
-        (wall, *others), v = self.walled.walls, float(state[1])
+        (wall, *others), v = self.rig.walls, float(state[1])
         if not others and wall.sign * v < 0.0:
             allowed = "v_plus >= 0" if wall.sign > 0.0 else "v_plus <= 0"
             raise InputError(f"v_plus = {v:g} points into the wall; give the velocity after an impact, {allowed}")
 
     def explain(self, row: Sequence[float], state: tuple[float, ...]) -> str:
         """Say what a reset law did wrong in the step from a state."""
-        model, (start, v) = self.walled.replace(**dict(zip(self.walled.params, row, strict=True))), state
+        model, (start, v) = self.rig.replace(**dict(zip(self.rig.params, row, strict=True))), state
         wall = -1 if copysign(1.0, v) < 0.0 else 0
         at, speed = (float(one[wall, 0]) for one in model.places_at(np.array([start])))
-        fly = partial(walled_legs, model, (at, speed + v), start, start + MAX_PERIODS * model.period, MAX_IMPACTS)
+        fly = partial(flown_legs, model, (at, speed + v), start, start + MAX_PERIODS * model.period, MAX_IMPACTS)
         return said_in_flight(fly, "a reset law")
 
     def clock(self, rows: Floats, first: Floats, last: Floats, letters: Ints, steps: int) -> Floats:
         """Return the time from one impact to a later one: the phases, and a period for every strobe between them."""
-        omega = rows[:, list(self.walled.params).index("omega"), None]
+        omega = rows[:, list(self.rig.params).index("omega"), None]
         return last[:, 0] - first[:, 0] + (letters % LATER) * (2.0 * np.pi / omega)
 
     def boxes(self, rows: Floats) -> Floats:
         """Return the boxes at parameter values."""
-        return np.array([box_of(self.walled, row) for row in rows.tolist()]).reshape(-1, 2, 2)
+        return np.array([box_of(self.rig, row) for row in rows.tolist()]).reshape(-1, 2, 2)
 
 
 def walled_impact_map(model: Walled) -> Map:

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.billiard.hit import place_of
-from grazing.maps.collisions import in_three, slopes
+from grazing.maps.collide import in_three, slopes
 from grazing.maps.map import Map
 from grazing.orbits.bounces import Bounces
 from grazing.orbits.orbit import ROUNDING, Orbit, condition_of

@@ -24,7 +24,7 @@ from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_si
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, OutsideForm, shown
-from grazing.parameter import Parameter, checked_periods
+from grazing.parameter import Parameter, checked_periods, in_order
 
 Floats = NDArray[np.float64]
 
@@ -282,7 +282,7 @@ def _range(value: Any, which: str) -> Range:
     if isinstance(value, str) or not isinstance(name, str) or len(rest) not in (1, 2):
         raise InputError(wanted)
     try:
-        ends = np.asarray(rest[0] if len(rest) == 1 else rest, np.float64).ravel()
+        ends = np.asarray(in_order(rest[0]) if len(rest) == 1 else rest, np.float64).ravel()
     except (TypeError, ValueError):
         raise InputError(wanted) from None
     if ends.size < 2 or not np.isfinite(ends).all():

@@ -9,16 +9,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.piece_equations import PieceOrbit
 from grazing.orbits.special import SPECIAL
-from grazing.oscillator.walled import Walled
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from grazing.orbits.branch import Branch, Piece
+    from grazing.orbits.branch import Branch
+    from grazing.orbits.branch_search import Piece
     from grazing.orbits.orbit import Orbit
     from grazing.orbits.special import Special
 
@@ -28,11 +27,8 @@ SAME = 1e-9
 
 def shifts(piece: Piece) -> NDArray[np.int64]:
     """Return by how many periods each orbit's points are numbered later than along the branch."""
-    equations = piece.equations
-    if not isinstance(equations, ImpactEquations):
-        return np.zeros(len(piece.orbits), np.int64)
-    T = np.array([equations.period_at(np.array([value])) for value in piece.values])
-    return np.asarray(np.floor(piece.unknowns[:, 0] / T), np.int64)
+    at = zip(piece.unknowns, piece.values[:, None], strict=True)
+    return np.array([piece.equations.begins_in(x, p) for x, p in at], np.int64)
 
 
 def events_of(branch: Branch) -> NDArray[np.int8]:
@@ -62,7 +58,7 @@ def impact_columns(orbits: Sequence[Orbit], rolls: NDArray[np.int64]) -> dict[st
 
     rows = [np.full(one.impacts, i) for i, one in hit]
     walls = np.array([letter for _i, one in hit for letter in one.walls], dtype=object)
-    named = isinstance(hit[0][1].model, Walled) if hit else False
+    named = bool(hit) and hit[0][1].model.walled
     return {
         **({"impact_wall": ("impact", walls, {"long_name": "wall that is hit"})} if named else {}),
         "impact_point": ("impact", _joined(rows, np.int64), {"long_name": "row of the orbit"}),

@@ -6,9 +6,10 @@ from typing import NamedTuple
 
 import numpy as np
 
-from grazing.orbits.branch import Branch, Piece
+from grazing.orbits.branch import Branch
+from grazing.orbits.branch_search import Piece
+from grazing.orbits.corrector import closed
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import closed
 
 
 class Window(NamedTuple):

@@ -1,6 +1,6 @@
 """What equations know of walls: which of them an impact is at, which piece of its law acts there, what each sees.
 
-An oscillator over one wall at rest is a model with one wall below the ball; its frames are made of less.
+An oscillator over one wall at rest is a rig with one wall below the ball; its frames are made of less.
 """
 
 from __future__ import annotations
@@ -19,57 +19,34 @@ from grazing.maps.map import Map
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.oscillator.constants import HEAD, constants_of
 from grazing.oscillator.frames import Frames, alone, frames_kind, frames_of, link_rows
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_fields, flight_kind, law_addresses, law_kind, law_start
 from grazing.oscillator.reset import active_law, newton_law, newton_slope, triggered_law
-from grazing.oscillator.wall import NAMES, Wall
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 
 Floats = NDArray[np.float64]
-Model = Oscillator | Walled
 #: Pieces of a law: WHOLE, FIRED, PASSIVE. A contact is a piece of the law of a wall: PIECES times its number, and that.
 PIECES = 3
 
 
-def model_of(P: Map) -> Model | None:
+def model_of(P: Map) -> Rig | None:
     """Return the oscillator that a map sees exactly, over one wall or between several; None for another map."""
-    return P.walled if P.walled is not None else P.model if P.section is not None else None
+    return P.origin.rig if P.section is not None else None
 
 
-def section_of(P: Map) -> str | None:
-    """Return where a map sees its oscillator: "strobe" or "impact"; None for another map."""
-    return "strobe" if P.walled is not None and P.section is None else P.section
-
-
-def walls_of(model: Model) -> tuple[Wall, ...]:
-    """Return the walls of a model, from below."""
-    if isinstance(model, Oscillator):
-        return (Wall(model.sigma, model.reset, "below", None, NAMES[0]),)
-    return tuple(model.walls)
-
-
-def oscillators_of(model: Model) -> list[Oscillator]:
-    """Return the oscillator above one wall at rest that each wall sees."""
-    return [model] if isinstance(model, Oscillator) else [model.seen_from(j) for j in range(len(model.walls))]
-
-
-def on_wall(model: Model, j: int, t: float) -> tuple[float, float]:
+def on_wall(model: Rig, j: int, t: float) -> tuple[float, float]:
     """Return the state (u, v) of a ball that lies on a wall at a time."""
-    if isinstance(model, Oscillator):
-        return model.sigma, 0.0
     at, speed = model.places_at(np.array([t]))
     return float(at[j, 0]), float(speed[j, 0])
 
 
-def letters_of_walls(model: Model) -> Hits | None:
+def letters_of_walls(model: Rig) -> Hits | None:
     """Return the letters of a stroboscopic map, the walls that are hit; None for one wall, whose impacts count."""
-    return Hits(model.names) if isinstance(model, Walled) and len(model.walls) > 1 else None
+    return Hits(model.names) if len(model.walls) > 1 else None
 
 
-def numbered(model: Model, names: Iterable[str]) -> list[int]:
-    """Return the numbers of walls by their names; in a model over one wall there is one only."""
-    letters = [str(wall.name) for wall in walls_of(model)]
-    return [letters.index(name) for name in names]
+def numbered(model: Rig, names: Iterable[str]) -> list[int]:
+    """Return the numbers of walls by their names."""
+    return [model.names.index(name) for name in names]
 
 
 def strobes_of(P: Map, letters: NDArray[np.int64]) -> NDArray[np.int64]:
@@ -77,14 +54,14 @@ def strobes_of(P: Map, letters: NDArray[np.int64]) -> NDArray[np.int64]:
     return letters % LATER if isinstance(P.letters, Struck) else letters
 
 
-def left_walls(model: Model, after: Floats) -> NDArray[np.int64]:
+def left_walls(model: Rig, after: Floats) -> NDArray[np.int64]:
     """Return the number of the wall that a ball leaves, from the velocity in a state of an impact map."""
-    return np.where(np.signbit(after), len(walls_of(model)) - 1, 0)
+    return np.where(np.signbit(after), len(model.walls) - 1, 0)
 
 
-def signs_of(model: Model) -> Floats:
+def signs_of(model: Rig) -> Floats:
     """Return for each wall 1 if it is below the ball, -1 if above."""
-    return np.array([wall.sign for wall in walls_of(model)])
+    return np.array([wall.sign for wall in model.walls])
 
 
 def wall_of(contact: int) -> int:
@@ -97,18 +74,18 @@ def piece_of(contact: int) -> int:
     return contact % PIECES
 
 
-def contacts_of(model: Model) -> tuple[int, ...]:
+def contacts_of(model: Rig) -> tuple[int, ...]:
     """Return every contact that an impact can be: of a trigger the pieces apart."""
     found: list[int] = []
-    for j, wall in enumerate(walls_of(model)):
+    for j, wall in enumerate(model.walls):
         pieces = (FIRED, PASSIVE) if wall.law.law is triggered_law else (WHOLE,)
         found += [PIECES * j + piece for piece in pieces]
     return tuple(found)
 
 
-def pieces_of(model: Model, incoming: Floats, walls: Sequence[int] | None = None) -> tuple[int, ...]:
+def pieces_of(model: Rig, incoming: Floats, walls: Sequence[int] | None = None) -> tuple[int, ...]:
     """Return the contacts of impacts with these velocities before them, at walls by number; without, at the first."""
-    laws = [wall.law for wall in walls_of(model)]
+    laws = [wall.law for wall in model.walls]
     found = []
     for j, v in zip([0] * len(incoming) if walls is None else walls, incoming, strict=True):
         piece = WHOLE
@@ -118,28 +95,13 @@ def pieces_of(model: Model, incoming: Floats, walls: Sequence[int] | None = None
     return tuple(found)
 
 
-def law_numbers(model: Model, j: int, values: Floats) -> dict[str, Floats]:
-    """Return the parameters (k,) of the law of wall j by name, of all parameters (k, ...) of the model."""
-    law = walls_of(model)[j].law.params
-    place = model.places[j].law if isinstance(model, Walled) else slice(-len(law), None)
-    return dict(zip(law, values[:, place].T, strict=True))
-
-
-def numbers_seen(model: Model, values: Floats) -> list[Floats]:
-    """Return for each wall the parameters that it sees (k, numbers), of all parameters (k, ...) of the model."""
-    if isinstance(model, Oscillator):
-        return [values]
-    return [model.rows_seen_from(j, values) for j in range(len(model.walls))]
-
-
-def flight_rows(model: Model, values: Floats, seen: Sequence[Floats], phase: float = 0.0) -> Floats:
+def flight_rows(model: Rig, values: Floats, seen: Sequence[Floats], phase: float = 0.0) -> Floats:
     """Return the numbers (k, ...) that flights need, as :func:`framer` takes them; the fields of laws are 0.
 
-    ``seen`` is what :func:`numbers_seen` returns at these values (k, ...); local time 0 is the phase.
+    ``seen`` is what :meth:`Rig.rows_seen` returns at these values (k, ...); local time 0 is the phase.
     """
     n, head = len(flight_fields(model.harmonics)), len(HEAD) + 2 * model.harmonics + 1  # alpha to sigma
-    ends = (seen[0],) if isinstance(model, Oscillator) else (seen[0], seen[-1])
-    links = () if isinstance(model, Oscillator) else (link_rows(model, values),)
+    ends, links = ((seen[0], seen[-1]), [link_rows(model, values)]) if model.walled else ((seen[0],), [])
     rows = np.zeros((len(values), n * len(ends) + sum(one.shape[1] for one in links)))
     for j, numbers in enumerate(ends):
         rows[:, j * n : j * n + head] = numbers[:, :head]
@@ -150,9 +112,9 @@ def flight_rows(model: Model, values: Floats, seen: Sequence[Floats], phase: flo
     return rows
 
 
-def room_in(model: Model, rows: Floats) -> Floats:
+def room_in(model: Rig, rows: Floats) -> Floats:
     """Return the room between the walls, from rows of :func:`flight_rows`; infinite over one wall."""
-    if isinstance(model, Oscillator):
+    if not model.walled:
         return np.full(len(rows), np.inf)
     return rows[:, 2 * len(flight_fields(model.harmonics)) + 2]
 
@@ -161,7 +123,7 @@ def room_in(model: Model, rows: Floats) -> Floats:
 def framer(harmonics: int, walled: bool) -> Callable[[Any], Frames]:
     """Return the kernel ``frames(row) -> Frames`` for rows of :func:`flight_rows`.
 
-    ``walled`` says whether the model has walls of its own, :class:`grazing.oscillator.walled.Walled`.
+    ``walled`` is that of the model, :class:`grazing.oscillator.rig.Rig`.
     """
     if walled:
         unpack_walls, of_walls = unpacker(frames_kind(harmonics)), frames_of(harmonics)
@@ -178,25 +140,25 @@ def framer(harmonics: int, walled: bool) -> Callable[[Any], Frames]:
     return over
 
 
-def frames_at(model: Model, values: Floats, phase: float = 0.0) -> Frames:
+def frames_at(model: Rig, values: Floats, phase: float = 0.0) -> Frames:
     """Return the frames of a model as numbers of Python; local time 0 is the phase."""
-    rows = flight_rows(model, values[None], numbers_seen(model, values[None]), phase)
+    rows = flight_rows(model, values[None], model.rows_seen(values[None]), phase)
     return framed(model, rows[0])
 
 
-def framed(model: Model, row: Floats) -> Frames:
+def framed(model: Rig, row: Floats) -> Frames:
     """Return the frames of a model at a row of :func:`flight_rows`, as numbers of Python."""
-    found: Frames = call(compiled(framer(model.harmonics, isinstance(model, Walled))), row, who="the frames of walls")
+    found: Frames = call(compiled(framer(model.harmonics, model.walled)), row, who="the frames of walls")
     return found
 
 
-def addresses(model: Model, contacts: Sequence[int]) -> list[tuple[float, float, int]]:
+def addresses(model: Rig, contacts: Sequence[int]) -> list[tuple[float, float, int]]:
     """Return for each impact where the piece of the law lies that acts there, its slope, and in a row its parameters.
 
-    The last in bytes behind what a wall sees, see :func:`numbers_seen`. A piece of a trigger goes on smoothly beyond
+    The last in bytes behind what a wall sees, see :meth:`Rig.rows_seen`. A piece of a trigger goes on smoothly beyond
     the trigger's speed, so that Newton's method and virtual orbits can.
     """
-    walls, found = walls_of(model), []
+    walls, found = model.walls, []
     for contact in contacts:
         law = walls[wall_of(contact)].law
         known = {
@@ -209,22 +171,18 @@ def addresses(model: Model, contacts: Sequence[int]) -> list[tuple[float, float,
     return found
 
 
-def sizes_of(model: Model) -> tuple[float, float]:
+def sizes_of(model: Rig) -> tuple[float, float]:
     """Return how far and how fast the ball goes, by an estimate; of two walls as the one sees it that sees less."""
-    if isinstance(model, Oscillator):
-        return model.reach.height, model.reach.speed
-    reach = model.reach_at(list(model.params.values()))
+    reach = [one.reach for one in model.seen]
     return min(one.height for one in reach), min(one.speed for one in reach)
 
 
-def relative(model: Model, walls: Sequence[int], times: Floats, velocities: Floats) -> Floats:
+def relative(model: Rig, walls: Sequence[int], times: Floats, velocities: Floats) -> Floats:
     """Return velocities as the walls see them that are hit at these times."""
-    if isinstance(model, Oscillator):
-        return velocities
     speed = model.places_at(times)[1][walls, np.arange(len(times))] if len(times) else times
     return np.array([model.walls[wall].sign for wall in walls]) * (velocities - speed)
 
 
-def kick_of(model: Model, wall: int = 0) -> float:
+def kick_of(model: Rig, wall: int = 0) -> float:
     """Return the velocity that the law of a wall gives a ball that touches it with no speed."""
-    return walls_of(model)[wall].law(0.0)
+    return model.walls[wall].law(0.0)

@@ -10,9 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.orbits.orbit import Orbit
+from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
 
+#: Solutions of the same parameters that differ by less, in scaled unknowns, are one.
+ONE = 1e-5
 #: Where parameters are moved to, in one distance, for their derivatives of fourth order.
 AROUND = (1.0, -1.0, 2.0, -2.0)
 
@@ -51,6 +54,18 @@ class Ending(NamedTuple):
     error: float
     beyond: tuple[Equations, Floats, Floats] | None = None
     turned: float | Floats = 0.0
+
+
+class Across(NamedTuple):
+    """The equations and the unknowns of an orbit whose point at a border has the other letter.
+
+    ``close`` says whether the map is continuous there, ``smooth`` whether it has one slope too.
+    """
+
+    equations: Equations
+    x: Floats
+    close: bool
+    smooth: bool
 
 
 class Equations(ABC):
@@ -96,6 +111,36 @@ class Equations(ABC):
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same."""
         return None
 
+    def doubling(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of two turns, and the solution that goes round twice."""
+        raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
+
+    def halving(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of half the turns, and the mean of both halves of a solution."""
+        raise NotImplementedError
+
+    def later(self, x: Floats, p: Floats, k: int) -> Floats | None:
+        """Return by how much an orbit differs, scaled, if begun a k-th of its turn later; None for one that cannot."""
+        return None
+
+    def same(self, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
+        """Whether a solution is one orbit with another, begun at another impact or point perhaps."""
+        return len(x) == len(y) and any(
+            bool(np.abs((np.roll(y, k) - x) / self.scale).max() < ONE) for k in range(len(x))
+        )
+
+    def called(self, type: str, where: int, p: Floats) -> tuple[str, str]:
+        """Return the type of a special point, and the letter of the wall that it is about; empty for none."""
+        return type, ""
+
+    def across(self, x: Floats, p: Floats, where: int) -> Across | None:
+        """Return the equations of an orbit whose point at a border has the other letter; None where there are none."""
+        return None
+
+    def begins_in(self, x: Floats, p: Floats) -> int:
+        """Return how many periods after the first one a solution has its first impact."""
+        return 0
+
     def touched(self, type: str, where: int) -> tuple[int, int]:
         """Return which impact, flight or point a test function is about, and the number of its wall; -1 for none."""
         return where, -1
@@ -138,8 +183,10 @@ class Equations(ABC):
         F, J = self.evaluated(*beside(x, p, around(len(h)) * h))
         forward, back, ahead, behind = F[1:].reshape(len(AROUND), len(h), -1)
         columns = (8.0 * (forward - back) - (ahead - behind)) / (12.0 * h[:, None])
-        for j in np.flatnonzero(~np.isfinite(columns).all(axis=1)):
-            columns[j] = self._one_sided(x, p, np.eye(len(h))[j] * h, float(h[j]))
+        known = np.isfinite(columns)
+        if not known.all():
+            for j in np.flatnonzero(~known.all(axis=1)):
+                columns[j] = self._one_sided(x, p, np.eye(len(h))[j] * h, float(h[j]))
         return F[0], J[0], columns.T
 
     def _one_sided(self, x: Floats, p: Floats, shift: Floats, h: float) -> Floats:

@@ -67,6 +67,10 @@ class EvenEquations(Equations):
         """Return which impact or flight a test function is about, and the number of its wall."""
         return self.base.touched(type, where)
 
+    def called(self, type: str, where: int, p: Floats) -> tuple[str, str]:
+        """Return the type of a special point, and the letter of its wall."""
+        return self.base.called(type, where, p)
+
     def broken(self, x: Floats, p: Floats) -> str:
         """Say why these are not the equations of an orbit any more."""
         return self.base.broken(self.whole(x, p), p)
@@ -92,7 +96,7 @@ def evenly(special: Special, base: Equations, x: Floats, p: Floats) -> tuple[Eve
     for j, name in enumerate(base.names):
         moved = p.copy()
         moved[j] += MOVED * base.spans[j]
-        if not base.model_at(moved).symmetric:  # type: ignore[union-attr]  # one that is symmetric has walls
+        if not base.model_at(moved).symmetric:
             raise InputError(
                 f"{name} takes the symmetry from the model, and the {special.type} with it; give another one"
             )

@@ -157,7 +157,7 @@ def exact_edge(family: Family, kind: str, phi: float | arb, value: float | arb) 
 
 def family_scale(family: Family, value: float) -> float:
     """Return a size for steps of the parameter."""
-    return max(abs(value), abs(float(family.row[family.position])), 1e-3)
+    return max(abs(value), abs(float(family.row[family.position])), 1e-3 * family.unit)
 
 
 def signs_at(family: Family, point: Point) -> dict[str, bool]:

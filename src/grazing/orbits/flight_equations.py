@@ -8,10 +8,11 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.contacts import Model, flight_rows, framed, numbers_seen, oscillators_of, room_in
+from grazing.orbits.contacts import flight_rows, framed, kick_of, room_in
 from grazing.orbits.equations import Equations
 from grazing.oscillator.constants import HEAD
 from grazing.oscillator.frames import Frames, frame_of
+from grazing.oscillator.rig import Rig
 from grazing.parameter import checked_name, named_by
 
 Floats = NDArray[np.float64]
@@ -39,7 +40,7 @@ class FlightEquations(Equations):
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
         Gives the values of all parameters that do not vary.
     names : tuple of str
         Parameters that vary.
@@ -47,7 +48,7 @@ class FlightEquations(Equations):
         Size of each of them.
     """
 
-    def __init__(self, model: Model, names: tuple[str, ...], spans: Any = None) -> None:
+    def __init__(self, model: Rig, names: tuple[str, ...], spans: Any = None) -> None:
         params = model.params
         for name in names:
             checked_name(name, params, "the model")
@@ -57,7 +58,7 @@ class FlightEquations(Equations):
         self._places = [[list(params).index(one) for one in named_by(name, params)] for name in names]
         self._base = np.array(list(params.values()))
         self._kept: dict[tuple[int, bytes], Prepared] = {}
-        self._held: tuple[bytes, Model] | None = None
+        self._held: tuple[bytes, Rig] | None = None
 
     @property
     def own(self) -> Floats:
@@ -69,11 +70,13 @@ class FlightEquations(Equations):
         place = len(p), p.tobytes()
         found = self._kept.get(place)
         if found is None:
-            values = np.repeat(self._base[None], len(p), axis=0)
+            values = np.empty((len(p), len(self._base)))
+            values[:] = self._base
             for places, column in zip(self._places, p.T, strict=True):
-                values[:, places] = column[:, None]
+                for at in places:
+                    values[:, at] = column
             values = self.model.made_from_base(values)
-            seen = numbers_seen(self.model, values)
+            seen = self.model.rows_seen(values)
             rows = flight_rows(self.model, values, seen)
             found = Prepared(values, seen, rows, room_in(self.model, rows), self.laws(seen))
             while len(self._kept) >= KEPT:
@@ -93,7 +96,7 @@ class FlightEquations(Equations):
         values: Floats = self.prepared(p[None]).values[0]
         return values
 
-    def model_at(self, p: Floats) -> Model:
+    def model_at(self, p: Floats) -> Rig:
         """Return the model with these values of the parameters that vary."""
         key = p.tobytes()
         if self._held is None or self._held[0] != key:
@@ -117,10 +120,21 @@ class FlightEquations(Equations):
         """Return the constants of flights as the first wall sees them, as numbers of Python."""
         return self.frames(p).a
 
+    def called(self, type: str, where: int, p: Floats) -> tuple[str, str]:
+        """Return the type of a special point, and the letter of the wall that it is about; empty for none.
+
+        An impact that loses its speed at a wall that does not kick the ball is a graze, as one dip that meets it.
+        """
+        wall = self.touched(type, where)[1]
+        if wall < 0:
+            return type, ""
+        grazes = type == "v0" and kick_of(self.model_at(p), wall) == 0.0
+        return "gr" if grazes else type, self.model.names[wall]
+
     def sizes(self, wall: int = 0) -> tuple[float, float]:
         """Return the sizes of positions and velocities that a wall sees, > 0: of a still ball those of its starts."""
         c = frame_of(bool(wall), self.own_frames)
         if c.size > 0.0:
             return c.size, c.size * c.rate
-        at = oscillators_of(self.model)[wall].reach
+        at = self.model.seen[wall].reach
         return at.height, at.speed

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import lowest_dip
-from grazing.orbits.contacts import Model, framer, walls_of
+from grazing.orbits.contacts import framer
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
@@ -23,7 +23,7 @@ from grazing.oscillator.constants import Constants
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.frames import frame_of, seen_across, seen_at_strobe
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 
 Floats = NDArray[np.float64]
 
@@ -36,10 +36,10 @@ FAR = 1e9
 class FreeEquations(FlightEquations):
     """The state (y, v) at the strobe, as the first wall sees it, that one period of free flight repeats."""
 
-    def __init__(self, model: Model, names: tuple[str, ...], spans: Any = None) -> None:
+    def __init__(self, model: Rig, names: tuple[str, ...], spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.n, self.N = 0, 1
-        self._turn = turner(model.harmonics, isinstance(model, Walled))
+        self._turn = turner(model.harmonics, model.walled)
         self.scale = np.array(self.sizes())
 
     def turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
@@ -49,7 +49,7 @@ class FreeEquations(FlightEquations):
 
     def _turned(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
         """Return :meth:`turned` at several points, x (k, 2) and p (k, names)."""
-        out, walls = np.empty((len(x), 10)), len(walls_of(self.model))
+        out, walls = np.empty((len(x), 10)), len(self.model.walls)
         call(self._turn, self.prepared(p).rows, np.ascontiguousarray(x, np.float64), out, who="the free flight")
         return out[:, :2], out[:, 2:6].reshape(-1, 2, 2), out[:, 6:].reshape(-1, 2, 2)[:, :walls]
 
@@ -132,7 +132,7 @@ class FreeEquations(FlightEquations):
         )
 
 
-def free_orbit(model: Model | None) -> ImpactOrbit | None:
+def free_orbit(model: Rig | None) -> ImpactOrbit | None:
     """Return the orbit without impacts, admissible or not; None where there is none, or one from every state."""
     if model is None:
         return None
@@ -147,13 +147,21 @@ def turner(harmonics: int, walled: bool) -> Callable[..., None]:
     frames = framer(harmonics, walled)
 
     def dip(y: float, v: float, c: Constants) -> tuple[float, float]:
-        """Return the lowest local minimum of a periodic flight that is at (y, v) at time 0, and its time in [0, T)."""
+        """Return the least height of a periodic flight that is at (y, v) at time 0, and its time in [0, T).
+
+        It is that of a local minimum, or where the ball stays at one height, to rounding, that of an instant.
+        """
         anchor, begin, fastest, height = anchored(0.0, y, v, c), 0.0, -float("inf"), y
+        least, at = float("inf"), 0.0
         for i in range(INSTANTS):
             y, v = flight(i * c.T / INSTANTS, anchor, c)
             if v > fastest:
                 begin, fastest, height = i * c.T / INSTANTS, v, y
+            if y < least:
+                least, at = y, i * c.T / INSTANTS
         low, _dip, _dips, when, _deepest = lowest_dip(begin, height, fastest, c.T, False, c)
+        if least < low:
+            return least, at
         return low, begin + when - (c.T if begin + when >= c.T else 0.0)
 
     def turn(rows: Any, x: Any, out: Any) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from grazing.maps.map import Map
+from grazing.orbits.finder import LONGEST_WORDS, Finder, Looked, Tally, Wanted
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import letters_of, word, words
 from grazing.outcome import InputError, shown
@@ -56,6 +57,19 @@ def gap_orbits(G: Map, period: int) -> tuple[Orbit, ...]:
     if n % 2 == 0:
         spelled += [one * 2 for one in words("LR", n // 2) if len(one) == n // 2]
     return tuple(_orbit(G, found) for one in spelled for found in G.origin.orbits(one, G.params))
+
+
+class Words(Finder):
+    """Finds the orbits of a map whose words are solved by algebra."""
+
+    longest = LONGEST_WORDS
+    why = "every word of the length is solved by algebra"
+
+    def find(self, wanted: Wanted) -> Looked:
+        """Return all orbits."""
+        found = [orbit for n in wanted.periods for orbit in gap_orbits(self.P, n)]
+        tally = Tally(signatures={(n, n) for n in wanted.periods})
+        return Looked(found, tally, sum(not orbit.admissible for orbit in found), complete=True)
 
 
 def _orbit(G: Map, found: WordOrbit) -> Orbit:

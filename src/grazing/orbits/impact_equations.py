@@ -16,26 +16,24 @@ from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closing import CONTACT, DEEP, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
 from grazing.orbits.closure import FIRED, WHOLE
 from grazing.orbits.contacts import (
-    Model,
     addresses,
     frames_at,
-    law_numbers,
     letters_of_walls,
     piece_of,
     wall_of,
-    walls_of,
 )
-from grazing.orbits.equations import Test
+from grazing.orbits.equations import ONE, Equations, Test
 from grazing.orbits.flight_equations import FlightEquations, Prepared
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
+from grazing.oscillator.constants import HEAD
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.oscillator.frames import Frames, frame_of, seen_at_strobe
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.trajectory import refuse_swings
-from grazing.oscillator.walled import Walled
 
 Floats = NDArray[np.float64]
 
@@ -64,7 +62,7 @@ class ImpactEquations(FlightEquations):
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
         Gives the values of all parameters that do not vary.
     names : tuple of str
         Parameters that vary.
@@ -77,21 +75,17 @@ class ImpactEquations(FlightEquations):
         Size of each parameter that varies.
     """
 
-    def __init__(self, model: Model, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None) -> None:
+    def __init__(self, model: Rig, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None) -> None:
         super().__init__(model, names, spans)
         refuse_swings(model)
         self.N, self.pieces = N, tuple(pieces)
         self.n = len(self.pieces)
         self.walls = [wall_of(piece) for piece in self.pieces]
-        several = len(walls_of(model)) > 1
-        self._at: list[Any] = (
-            [np.flatnonzero(np.equal(self.walls, wall)) for wall in (0, 1)] if several else [slice(None)]
-        )
-        sizes = [self.sizes(wall) for wall in range(len(walls_of(model)))]
+        sizes = [self.sizes(wall) for wall in range(len(model.walls))]
         self._high, self._fast = [high for high, _fast in sizes], [fast for _high, fast in sizes]
         self._force = self.own_frames.a.force or 1.0
         self.scale = np.array([self.period_at(self.own)] * self.n + [self._fast[wall] for wall in self.walls])
-        self._gaps, self._close, self._profile = closer(model.harmonics, isinstance(model, Walled))
+        self._gaps, self._close, self._profile = closer(model.harmonics, model.walled)
 
     def laws(self, seen: list[Floats]) -> Floats:
         """Return for each impact the addresses of its law, of its slope and of their numbers, and its wall.
@@ -99,10 +93,12 @@ class ImpactEquations(FlightEquations):
         Their numbers are those that the walls see, and must live as long as the addresses are used.
         """
         k = len(seen[0])
-        laws = np.repeat(self._codes[None], k, axis=0)
-        for at, one in zip(self._at, seen, strict=True):
+        laws, starts = np.empty((k, self.n, 4)), np.empty((k, len(seen)))
+        laws[:] = self._codes
+        for wall, one in enumerate(seen):
             first = one.__array_interface__["data"][0]
-            laws[:, at, 2] += np.arange(first, first + k * one.strides[0], one.strides[0])[:, None]
+            starts[:, wall] = np.arange(first, first + k * one.strides[0], one.strides[0])
+        laws[:, :, 2] += starts[:, self.walls]
         return laws
 
     @cached_property
@@ -118,7 +114,9 @@ class ImpactEquations(FlightEquations):
     def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return :meth:`defects` at several points."""
         at, n = self.prepared(p), 2 * self.n
-        F, J = np.full((len(x), n), np.nan), np.full((len(x), n, n), np.nan)
+        F, J = np.empty((len(x), n)), np.empty((len(x), n, n))
+        F.fill(np.nan)
+        J.fill(np.nan)
         call(self._gaps, at.rows, np.ascontiguousarray(x), self.N, at.laws, F, J, who="the closing equations")
         shut = ~(at.room > 0.0)
         if shut.any():
@@ -175,7 +173,7 @@ class ImpactEquations(FlightEquations):
             speed, fast = -table[ENDING, i], self._fast[self.walls[k]]
             found.append(("v0", k, speed / fast))
             if piece_of(self.pieces[k]) != WHOLE:
-                law = law_numbers(self.model, self.walls[k], at.values)
+                law = self._law_numbers(self.walls[k], at.seen)
                 over = speed - law["trigger"] if piece_of(self.pieces[k]) == FIRED else law["trigger"] - speed
                 found.append(("law", k, np.where(law["V"] != 0.0, over / fast, 1.0)))  # without a kick both are one law
             wall = self.walls[i]
@@ -186,11 +184,58 @@ class ImpactEquations(FlightEquations):
                 found.append(("st", i, table[FORCE, i] / self._force))
         return found
 
+    def _law_numbers(self, wall: int, seen: list[Floats]) -> dict[str, Floats]:
+        """Return the parameters (k,) of the law of a wall by name, of all that walls see."""
+        law = self.model.walls[wall].law.params
+        return dict(zip(law, seen[wall][:, -len(law) :].T, strict=True))
+
     def touched(self, type: str, where: int) -> tuple[int, int]:
         """Return which impact or flight a test function is about, and at which wall."""
         if type == "gr":
             return where % self.n, where // self.n
         return where, self.walls[where] if type in ("v0", "law", "st") else -1
+
+    def begins_in(self, x: Floats, p: Floats) -> int:
+        """Return how many periods after the first one the first impact comes."""
+        return floor(float(x[0]) / self.period_at(p))
+
+    def doubling(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of two turns, and the solution that goes round twice."""
+        n, N = self.n, self.N
+        twice = ImpactEquations(self.model, self.names, 2 * N, self.pieces * 2, self.spans)
+        return twice, np.concatenate([x[:n], x[:n] + N * self.period_at(p), x[n:], x[n:]])
+
+    def halving(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of half the turns, and the mean of both halves of a solution."""
+        n, h, turn = self.n, self.n // 2, self.N // 2 * self.period_at(p)
+        half = ImpactEquations(self.model, self.names, self.N // 2, self.pieces[:h], self.spans)
+        return half, 0.5 * np.concatenate([x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :]])
+
+    def later(self, x: Floats, p: Floats, k: int) -> Floats | None:
+        """Return by how much an orbit differs, scaled, if begun a k-th of its turn later."""
+        n, m, N = self.n, self.n // k, self.N
+        if n % k or self.walls[m:] + self.walls[:m] != self.walls:
+            return None
+        period = (x[m] - x[0]) / (N // k)  # that of the forcing, if it does repeat
+        if abs(period - self.period_at(p)) > 0.1 * self.period_at(p):
+            return None
+        times = np.concatenate([x[m:n], x[:m] + N * period]) - (N // k) * period
+        return np.asarray(np.concatenate([times - x[:n], np.roll(x[n:], -m) - x[n:]]) / self.scale)
+
+    def same(self, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
+        """Whether two solutions are one orbit, begun at another impact perhaps."""
+        if not isinstance(other, ImpactEquations) or len(x) != len(y):
+            return super().same(x, other, y, p)
+        n, T = self.n, self.period_at(p)
+        for k in range(n):
+            if other.walls[k:] + other.walls[:k] != self.walls:
+                continue
+            times = np.concatenate([y[k:n], y[:k] + self.N * T])
+            gap = np.mod(times - x[:n] + 0.5 * T, T) - 0.5 * T
+            after = np.concatenate([y[n + k :], y[n : n + k]])
+            if max(np.abs(gap / self.scale[:n]).max(), np.abs((after - x[n:]) / self.scale[n:]).max()) < ONE:
+                return True
+        return False
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, NDArray[np.int64]]:
         """Return the solution, begun at another impact or period, that is nearest to another, and its order."""
@@ -226,13 +271,22 @@ class ImpactEquations(FlightEquations):
         if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
             return None
         model = self.model_at(p)
-        return self.uneven(x, self.period_at(p)) if isinstance(model, Walled) and model.symmetric else None
+        return self.uneven(x, self.period_at(p)) if model.symmetric else None
 
     def uneven(self, x: Floats, T: float) -> Floats:
         """Return by how much the second half of the impacts differs from the first one, scaled."""
         n, h = self.n, self.n // 2
         apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
+
+    def periods(self, x: Floats, p: Floats) -> Floats:
+        """Return how many periods after the first impact each is, at several points, x (k, 2n) and p (k, names).
+
+        From strobe to strobe, see :func:`strobed`: orbits for which they are the same have the same word.
+        """
+        T = 2.0 * np.pi / self.prepared(p).values[:, [HEAD.index("omega")]]
+        passed: Floats = np.ceil((x[:, : self.n] - T * np.floor(x[:, :1] / T)) / T)
+        return passed
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether two impacts have become one, or the law gives no velocity."""
@@ -275,7 +329,7 @@ class ImpactEquations(FlightEquations):
             incoming=incoming,
             outgoing=outgoing,
             clearance=float(table[:, [DEEP, DEEP + OTHER]].min()),
-            walls="".join(str(walls_of(model)[wall].name) for wall in self.walls),
+            walls="".join(str(model.walls[wall].name) for wall in self.walls),
         )
 
 
@@ -288,7 +342,7 @@ class Flown(NamedTuple):
     N: int
 
 
-def strobed(flown: Flown, model: Model, c: Frames, phase: float) -> tuple[Floats, list[int]]:
+def strobed(flown: Flown, model: Rig, c: Frames, phase: float) -> tuple[Floats, list[int]]:
     """Return the states (u, v) at phase, phase + T, ..., and the letters of the periods that end there.
 
     An impact at the strobe belongs to the period before it: (phase + jT, phase + (j + 1) T].

@@ -7,10 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.contacts import Model, model_of
+from grazing.orbits.contacts import model_of
 from grazing.orbits.orbit import Orbit
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.wall import NAMES
-from grazing.oscillator.walled import Walled
 
 #: An orbit and its mirror image that differ by less, in parts of a period and of its speed, are one.
 ALIKE = 1e-7
@@ -50,7 +50,7 @@ class ImpactOrbit(Orbit):
             object.__setattr__(self, name, array)
 
     @property
-    def model(self) -> Model:
+    def model(self) -> Rig:
         """The oscillator."""
         model = model_of(self.map)
         assert model is not None
@@ -68,7 +68,7 @@ class ImpactOrbit(Orbit):
         Only between the walls of a model that is its own mirror image, ``model.symmetric``.
         """
         n, h, N, model = len(self.times), len(self.times) // 2, self.period, self.model
-        if not isinstance(model, Walled) or n % 2 or N % 2 == 0 or not model.symmetric:
+        if n % 2 or N % 2 == 0 or not model.symmetric:
             return False
         if n == 0:
             return True

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -13,14 +13,16 @@ from numpy.typing import NDArray
 from grazing.copies import ByValue
 from grazing.orbits.branch import checked_bounds, checked_step
 from grazing.orbits.contacts import model_of, sizes_of
+from grazing.orbits.corrector import Point, at_value, closed, linearised, tangent_of
 from grazing.orbits.equations import Equations, Test
-from grazing.orbits.even_equations import EvenEquations, evenly
+from grazing.orbits.even_equations import evenly
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import Path, Point, at_value, closed, follow, joined, linearised, tangent_of
+from grazing.orbits.path import Path, follow, joined
 from grazing.orbits.piece_equations import PieceOrbit, border_units
 from grazing.orbits.signature import equations_of
+from grazing.orbits.solved import Solved
 from grazing.orbits.special import SPECIAL, Special
-from grazing.orbits.switching import ZERO, called
+from grazing.orbits.switching import ZERO
 from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import spread, value_of, whole
 
@@ -140,7 +142,7 @@ class Locus(ByValue):
     parameters : (str, str)
     bounds : ((low, high), (low, high))
     values : ndarray, shape (n, 2)
-    orbits : tuple of Orbit
+    orbits : sequence of Orbit
     meetings : tuple of Meeting
     ends : (str, str)
         Why it ends at either end.
@@ -150,7 +152,7 @@ class Locus(ByValue):
     parameters: tuple[str, str]
     bounds: tuple[tuple[float, float], tuple[float, float]]
     values: Floats
-    orbits: tuple[Orbit, ...]
+    orbits: Sequence[Orbit]
     meetings: tuple[Meeting, ...]
     ends: tuple[str, str]
 
@@ -385,9 +387,8 @@ def locus(
         if low <= X[-1] <= high:
             own, *others = kind.split("+")
             both = np.array([X[-1], q[-1]])
-            whole_base = base.base if isinstance(base, EvenEquations) else base
-            kind = name_of([own, *(called(whole_base, other, event.where, both)[0] for other in others)])
+            kind = name_of([own, *(base.called(other, event.where, both)[0] for other in others)])
             met.append(Meeting(kind, (float(X[-1]), float(q[-1])), orbit, event.converged))
     values = np.array([[X[-1], q[-1]] for X, q in solutions])
-    orbits = tuple(equations.orbit(X, q) for X, q in solutions)
+    orbits = Solved(solutions, equations)
     return Locus(special.type, (one, other), ranges, values, orbits, met_once(met, spans), (path.began, path.ended))

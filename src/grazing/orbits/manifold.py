@@ -229,7 +229,7 @@ def _movers(saddle: Saddle, far: Floats, stride: int) -> dict[tuple[int, int], S
             ray = Ray(orbit.points[start], saddle.directions[start])
             if saddle.forwards:
                 movers[start, sign] = Forwards(P, ray)
-            elif P.section == "strobe":
+            elif P.model is not None and P.section == "strobe":
                 movers[start, sign] = Backwards(P, ray, saddle.box)
             else:
                 movers[start, sign] = solved[start, sign] = Solved(P, ray, saddle.box, anchor_of(start, sign))

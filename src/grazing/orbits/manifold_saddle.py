@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from grazing.orbits.manifold_steps import stepped
 from grazing.orbits.orbit import Orbit
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
 from grazing.outcome import InputError, shown
 
@@ -116,7 +115,7 @@ def saddle_of(orbit: Orbit, side: str, box: Floats) -> Saddle:
 def _invertible(orbit: Orbit) -> None:
     """Refuse a saddle from which no way leads back."""
     P = orbit.map
-    law = P.model.reset if isinstance(P.model, Oscillator) else None
+    law = P.model.reset if P.model is not None else None
     if law is not None and law.law in (newton_law, active_law, triggered_law) and law.params["r"] == 0.0:
         raise InputError(
             "r = 0: a dead wall forgets the speed of impact, so that the map has no inverse and the stable manifold is "

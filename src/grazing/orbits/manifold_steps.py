@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 
 from grazing.maps.map import Map, swift
 from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before
-from grazing.oscillator.model import Oscillator
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -137,7 +136,7 @@ class Backwards:
     """The inverse of the stroboscopic map of an oscillator, with all its branches."""
 
     def __init__(self, P: Map, ray: Ray, sides: Floats) -> None:
-        assert isinstance(P.model, Oscillator)
+        assert P.model is not None
         self.map, self.model, self.ray, self.sides = swift(P), P.model, ray, sides
 
     def further(self, leaves: Leaves, n: int) -> Leaves:

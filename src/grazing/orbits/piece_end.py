@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.orbits.corrector import corrected, unscaled
 from grazing.orbits.equations import Ending
 from grazing.orbits.one_sided import EPS
-from grazing.orbits.path import corrected, unscaled
 
 if TYPE_CHECKING:
     from grazing.orbits.map_equations import MapEquations, Stepped

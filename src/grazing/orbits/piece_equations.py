@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from grazing.maps.bordered import Images
 from grazing.maps.map import Map
-from grazing.orbits.equations import Ending, Test
+from grazing.orbits.equations import ONE, Across, Ending, Equations, Test
 from grazing.orbits.map_equations import MapEquations, alike, product, product_error, tests_of
 from grazing.orbits.one_sided import EPS, FINER, FIRST, distances, slope
 from grazing.orbits.orbit import Orbit, condition_of
@@ -88,18 +88,6 @@ class Looked(NamedTuple):
     across: Floats
     along: Floats
     error: Floats
-
-
-class Across(NamedTuple):
-    """The equations and the unknowns of an orbit whose point at a border has the other letter.
-
-    ``close`` says whether the map is continuous there, ``smooth`` whether it has one slope too.
-    """
-
-    equations: PieceEquations
-    x: Floats
-    close: bool
-    smooth: bool
 
 
 class PieceEquations(PointEquations):
@@ -412,6 +400,15 @@ class PieceEquations(PointEquations):
         assert isinstance(other, MapEquations)
         new = self.like(other.letters)
         return found._replace(beyond=(new, new.begun(y.reshape(self.N, -1), q), q))
+
+    def same(self, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
+        """Whether two solutions are one orbit; where all points are at one border, words that differ are others."""
+        if not isinstance(other, PieceEquations):
+            return super().same(x, other, y, p)
+        if len(x) != len(y):
+            return False
+        turned = (k for k in range(self.N) if other.letters[k:] + other.letters[:k] == self.letters)
+        return any(bool(np.abs((np.roll(y, -int(other.starts[k])) - x) / self.scale).max() < ONE) for k in turned)
 
     def turned_to(self, x: Floats, p: Floats, like: Floats) -> tuple[Floats, Ints]:
         """Return the solution, begun at another point, that is nearest to another, and its order."""

@@ -90,6 +90,18 @@ class PointEquations(Equations):
         order = min(orders, key=lambda one: float(np.abs((x[one] - like) / self.scale).max()))
         return x[order], order
 
+    def doubling(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of two turns, and the solution that goes round twice."""
+        return self.like(self.letters * 2), np.tile(x, 2)
+
+    def halving(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
+        """Return the equations of half the turns, and the mean of both halves of a solution."""
+        return self.like(self.letters[: self.N // 2]), 0.5 * (x[: len(x) // 2] + x[len(x) // 2 :])
+
+    def later(self, x: Floats, p: Floats, k: int) -> Floats | None:
+        """Return by how much an orbit differs, scaled, if begun a k-th of its turn later."""
+        return np.asarray((np.roll(x, -len(x) // k) - x) / self.scale)
+
     def halved(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         h = self.N // 2

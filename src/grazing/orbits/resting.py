@@ -18,7 +18,7 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.contacts import PIECES, Model, addresses, framer, model_of, on_wall, walls_of
+from grazing.orbits.contacts import PIECES, addresses, framer, model_of, on_wall
 from grazing.orbits.equations import Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.orbit import Orbit
@@ -26,9 +26,8 @@ from grazing.orbits.word import word
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.contact import placed, window_of, window_sign
 from grazing.oscillator.frames import first_contact, frame_of
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.trajectory import trajectory
-from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
@@ -104,7 +103,7 @@ def settler(harmonics: int, walled: bool) -> Callable[..., None]:
 class RestEquations(FlightEquations):
     """The one equation of an orbit that rests: its unknown is the time of accumulation, which the release decides."""
 
-    def __init__(self, model: Model, names: tuple[str, ...], release: int, spans: Any = None) -> None:
+    def __init__(self, model: Rig, names: tuple[str, ...], release: int, spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.release = release
         self.scale = np.array([model.period])
@@ -132,7 +131,7 @@ class RestEquations(FlightEquations):
         laws, out = np.zeros((2, 3)), np.zeros(5)
         for j, (law, slope, place) in enumerate(addresses(self.model, [PIECES * j for j in range(len(at.seen))])):
             laws[j] = law, slope, float(at.seen[j].ctypes.data + place)
-        settle, row = settler(self.model.harmonics, isinstance(self.model, Walled)), at.rows[0]
+        settle, row = settler(self.model.harmonics, self.model.walled), at.rows[0]
         begun, time, impacts, left = start, start, 0, np.inf
         for _ in range(STAGES):
             call(settle, row, begun, float(wall), laws, out, who="the chatter")
@@ -174,8 +173,8 @@ class RestEquations(FlightEquations):
         start = on_wall(model, begun[1], found.release)
         flown = trajectory(model, start, start=found.release, until=model.period)
         first = np.array([float(flown.u.values[-1]), float(flown.v.values[-1])])
-        if isinstance(model, Oscillator):
-            first[0] = max(first[0], model.sigma)
+        if not model.walled:
+            first[0] = max(first[0], model.walls[0].position)
         path = P.orbit(first, max(self.N, 1))
         return Orbit(
             map=P,
@@ -210,7 +209,7 @@ def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any
     model = model_of(P)
     assert model is not None
     p = np.array([model.params[name] for name in names])
-    for release in range(len(walls_of(model)) * (2 * model.harmonics + 1)):
+    for release in range(len(model.walls) * (2 * model.harmonics + 1)):
         equations = RestEquations(model, names, release, spans)
         if equations.rest(p) is None:
             continue

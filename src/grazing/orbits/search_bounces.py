@@ -17,7 +17,7 @@ from grazing.maps.map import Map
 from grazing.orbits.bounce_guesses import guessed
 from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, corrected_word, inside
 from grazing.orbits.bounces import Bounces, conserves, solid_surfaces
-from grazing.orbits.search_impacts import Tally
+from grazing.orbits.finder import LONGEST_WORDS, Finder, Looked, Tally, Wanted
 from grazing.orbits.sight import gain_of, one_at_most, one_way, unseen
 from grazing.orbits.word import least_rotation, primitive, word
 from grazing.outcome import InputError
@@ -32,11 +32,6 @@ MOST_WORDS = 50_000
 FEWEST, MOST = 8, 256
 #: Scaled defect up to which a solution counts; solutions that differ by less than SAME are one.
 CLOSED, SAME = 1e-11, 1e-8
-#: Why a list of orbits of a table is complete.
-ONE_EACH = (
-    "an orbit of a word is the shortest closed way from object to object in its order, and each word was solved or is "
-    "impossible"
-)
 
 
 @dataclass
@@ -256,12 +251,31 @@ def _unit(bounces: Bounces, x: Floats) -> Floats:
     return np.array([[size], [size], [float(x[bounces.n :].mean())]])
 
 
-def how_thorough(s: Searched) -> str:
-    """Say how thoroughly the words of a table were searched."""
-    said = f"found by {s.attempts} Newton attempts from guesses of each word, of which {s.converged} converged"
-    said += "; words that are proven impossible were left out" if s.impossible else ""
-    left_out = (s.families, "left out, as they conserve energy and none is given"), (s.missing, "without any orbit")
-    for words, why in left_out:
-        if words:
-            said += f"; {len(words)} word{'s were' if len(words) > 1 else ' was'} {why}"
-    return f"{said}; this is no proof that there are no others"
+class Bounced(Finder):
+    """Finds the orbits of a table, solved word by word."""
+
+    longest = LONGEST_WORDS
+    why = (
+        "an orbit of a word is the shortest closed way from object to object in its order, and each word was solved or "
+        "is impossible"
+    )
+    energetic = True
+
+    def find(self, wanted: Wanted) -> Looked:
+        """Return the orbits, and what is known of words without any."""
+        tally = Tally()
+        found = bounce_orbits(self.P, wanted.periods, wanted.letters, wanted.starts, wanted.seed, wanted.energy, tally)
+        complete = found.single and not found.missing and not found.families
+        said = tuple(found.impossible), tuple(found.missing), tuple(found.families)
+        met = sum(not orbit.admissible for orbit in found.orbits)
+        return Looked([*found.orbits], tally, met, complete, (), *said)
+
+    def how(self, s: Searched, word: str | None, found: int) -> str:
+        """Say how thoroughly words were searched."""
+        said = f"found by {s.attempts} Newton attempts from guesses of each word, of which {s.converged} converged"
+        said += "; words that are proven impossible were left out" if s.impossible else ""
+        left_out = (s.families, "left out, as they conserve energy and none is given"), (s.missing, "without any orbit")
+        for words, why in left_out:
+            if words:
+                said += f"; {len(words)} word{'s were' if len(words) > 1 else ' was'} {why}"
+        return f"{said}; this is no proof that there are no others"

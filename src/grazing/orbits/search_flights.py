@@ -10,11 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
-from grazing.orbits.contacts import Model, framer
+from grazing.orbits.contacts import framer
 from grazing.oscillator.contact import FLIES, departure_of, placed
 from grazing.oscillator.frames import first_contact, frame_of, frames_rows, seen_from_strobe
 from grazing.oscillator.pointed import POINTED, pointed_model
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.outcome import BAD_LAW, DIVERGED
 
 Floats = NDArray[np.float64]
@@ -80,12 +80,12 @@ def recorder(harmonics: int, walled: bool) -> Callable[..., None]:
     return compiled(record)
 
 
-def recorded(model: Model, states: Floats, N: int, most: int) -> Flights:
+def recorded(model: Rig, states: Floats, N: int, most: int) -> Flights:
     """Fly each state (u, v) at time 0, rows of (k, 2), for N periods, and return the impacts.
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
     states : ndarray, shape (k, 2)
         Off the walls, or on them.
     N : int
@@ -93,13 +93,13 @@ def recorded(model: Model, states: Floats, N: int, most: int) -> Flights:
     most : int
         More impacts than so many are not written down.
     """
-    k, walled = len(states), isinstance(model, Walled)
-    if isinstance(model, Walled):
+    k = len(states)
+    if model.walled:
         rows, source = frames_rows(model, np.array([[*model.params.values(), 0.0]]), "strict")
         row = rows[0]
     else:
-        row, source = pointed_model(model)
+        row, source = pointed_model(model.seen[0])
     found = Flights(np.zeros(k, np.int64), *(np.full((k, most), np.nan) for _ in range(4)))
-    call(recorder(model.harmonics, walled), row, np.ascontiguousarray(states), N, *found, who="the flight")
+    call(recorder(model.harmonics, model.walled), row, np.ascontiguousarray(states), N, *found, who="the flight")
     del source  # the laws' numbers lie in it: it had to live so long
     return found

@@ -6,7 +6,6 @@ A signature is the number of impacts in so many periods, with the wall of each a
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, field
 from itertools import product
 from math import nan
 
@@ -16,13 +15,14 @@ from numpy.typing import NDArray
 from grazing.kernel.random import uniform
 from grazing.orbits.closing import DEEP, DIPS, ENDING, OTHER, WHEN
 from grazing.orbits.closure import FIRED, PASSIVE
-from grazing.orbits.contacts import PIECES, Model, contacts_of, piece_of, pieces_of, wall_of, walls_of
+from grazing.orbits.contacts import PIECES, contacts_of, piece_of, pieces_of, wall_of
+from grazing.orbits.corrector import weighed
+from grazing.orbits.finder import Tally
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import SHORTEST, ImpactEquations, force_turns
-from grazing.orbits.path import weighed
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.reset import Reset
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.outcome import UserCodeError
 
 Floats = NDArray[np.float64]
@@ -44,21 +44,10 @@ APART = (1e-3, 1e-2, 5e-2, 0.2)
 NOTHING = np.empty(0)
 
 
-@dataclass
-class Tally:
-    """What a search has done: simulated steps, Newton's method begun and converged, signatures tried."""
-
-    starts: int = 0
-    steps: int = 0
-    attempts: int = 0
-    converged: int = 0
-    signatures: set[tuple[int, int]] = field(default_factory=set)
-
-
 class Solutions:
     """Distinct solutions of one model, by periods and pieces of the law; none repeats a shorter one."""
 
-    def __init__(self, model: Model, tally: Tally) -> None:
+    def __init__(self, model: Rig, tally: Tally) -> None:
         self.model, self.tally = model, tally
         c = FreeEquations(model, ()).constants(NOTHING)
         self.T, self.speed = model.period, float(c.size * c.rate)
@@ -153,7 +142,7 @@ class Solutions:
             return
         fired = np.zeros((len(guesses), n), bool)
         for i, wall in enumerate(at):
-            p = walls_of(self.model)[wall].law.params
+            p = self.model.walls[wall].law.params
             if len(own[i]) > 1:
                 fired[:, i] = guesses[:, n + i] >= p["r"] * p["trigger"] + 0.5 * p["V"]
         for row in np.unique(fired, axis=0):
@@ -203,7 +192,7 @@ class Solutions:
         n, equations = len(pieces), self.equations(N, pieces)
         table = equations.profile(x, NOTHING).table
         slow = 0.05 * self.speed
-        laws = [wall.law for wall in walls_of(self.model)]
+        laws = [wall.law for wall in self.model.walls]
         for i in range(n):
             for contact in self.contacts if n < most else ():
                 wall = wall_of(contact)
@@ -246,7 +235,7 @@ class Solutions:
 
     def images(self, N: int) -> None:
         """Add the mirror images of the known solutions of N periods, where the model has them."""
-        if not (isinstance(self.model, Walled) and self.model.symmetric):
+        if not self.model.symmetric:
             return
         for (periods, pieces), found in sorted(self.found.items()):
             if periods == N and len(found):

@@ -15,9 +15,9 @@ from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import replaced
 from grazing.maps.linear import solved
 from grazing.maps.map import Map
+from grazing.orbits.finder import Tally
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_windows import drawn
 from grazing.outcome import FATAL, InputError
 

@@ -6,12 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.corrector import closed
+from grazing.orbits.finder import Tally
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import closed
 from grazing.orbits.piece_equations import PieceEquations, PieceOrbit, letters_from
-from grazing.orbits.search_impacts import Tally
 from grazing.orbits.search_windows import drawn
-from grazing.orbits.switching import same_solution, turns
+from grazing.orbits.switching import turns
 from grazing.orbits.word import letters_of, words
 
 Floats = NDArray[np.float64]
@@ -72,7 +72,7 @@ def piece_orbits(
             return
         orbit = equations.orbit(solved, nothing)
         same = found.setdefault(orbit.word, [])
-        if not any(same_solution(equations, solved, other, y, nothing) for other, y, _orbit in same):
+        if not any(equations.same(solved, other, y, nothing) for other, y, _orbit in same):
             same.append((equations, solved, orbit))
 
     for orbit in known:

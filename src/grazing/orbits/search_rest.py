@@ -10,12 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.orbits.contacts import Model, kick_of, model_of, on_wall, oscillators_of, section_of, signs_of, walls_of
+from grazing.orbits.contacts import kick_of, model_of, on_wall, signs_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import contraction_at
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import FATAL, STUCK
 from grazing.parameter import parameters
@@ -23,7 +23,7 @@ from grazing.parameter import parameters
 Floats = NDArray[np.float64]
 
 
-def presses(model: Oscillator) -> list[float]:
+def presses(model: Rig) -> list[float]:
     """Return the middle of every stretch of time in which the forcing presses a ball on the wall, and then lifts it.
 
     One for each instant in a period at which the force on a ball at the wall turns from - to +.
@@ -38,15 +38,15 @@ def presses(model: Oscillator) -> list[float]:
     return found if len(signs) > 1 else []
 
 
-def resting_starts(P: Map, model: Model) -> list[Floats]:
+def resting_starts(P: Map, model: Rig) -> list[Floats]:
     """Return states of a map of an oscillator from which the ball rests, or has just rested, before each release."""
     starts, phase = [], float(P.params.get("phase", 0.0))
-    for j, seen in enumerate(oscillators_of(model)):
+    for j, seen in enumerate(model.seen):
         if kick_of(model, j) != 0.0 or never_rests(model, j):
             continue
         c = FreeEquations(seen, ()).constants(np.empty(0))
         times = presses(seen)
-        if section_of(P) == "impact":
+        if P.section == "impact":
             starts += [np.array([t, np.copysign(0.0, signs_of(model)[j])]) for t in times]
             continue
         if not times and c.first < 0.0:
@@ -59,12 +59,12 @@ def resting_starts(P: Map, model: Model) -> list[Floats]:
     return starts
 
 
-def never_rests(model: Model, j: int) -> bool:
+def never_rests(model: Rig, j: int) -> bool:
     """Whether a ball cannot come to rest on a moving wall, as its law takes no speed from slow impacts.
 
     On a wall at rest it can be put, without rounding.
     """
-    wall = walls_of(model)[j]
+    wall = model.walls[j]
     ratio, speed = contraction_at(wall.law, parameters(wall.law.params))
     return wall.motion is not None and not (ratio < 1.0 and speed > 0.0)
 

@@ -2,43 +2,48 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import floor
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.random import uniform
-from grazing.maps.hits import LATER, Struck
+from grazing.maps.hits import LATER, Hits, Struck
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.contacts import (
-    Model,
     frames_at,
     left_walls,
     letters_of_walls,
+    model_of,
     numbered,
-    oscillators_of,
     pieces_of,
-    section_of,
     signs_of,
     strobes_of,
 )
+from grazing.orbits.finder import Finder, Looked, Tally, Wanted
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import Flown, ImpactEquations, strobed
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.orbit import Orbit, condition_of
 from grazing.orbits.search_flights import recorded
-from grazing.orbits.search_impacts import A_FEW, NOTHING, WORK, Solutions, Tally
-from grazing.orbits.search_windows import WIDE, drawn, recurrences, simulated
-from grazing.orbits.word import word
+from grazing.orbits.search_impacts import A_FEW, NOTHING, WORK, Solutions
+from grazing.orbits.search_rest import resting_orbits
+from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, simulated
+from grazing.orbits.search_words import refuse_impossible
+from grazing.orbits.word import least_rotation, letters_of, word
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.frames import seen_at_strobe
-from grazing.outcome import OutsideForm
+from grazing.oscillator.rig import Rig
+from grazing.outcome import InputError, OutsideForm, shown
+
+if TYPE_CHECKING:
+    from grazing.orbits.periodic import Searched
 
 Floats = NDArray[np.float64]
 
@@ -50,15 +55,94 @@ MOST = 2
 GUESSES, AIMED = 200, 4000
 #: Work on the guesses of a word, in that on the flights of one number of impacts: so words of up to 15 get them all.
 MORE = 20
+#: Most impacts of a word that is looked for.
+MOST_IMPACTS = 200
 #: Forcing periods from one impact to the next that closed forms are tried for, on the impact map.
 FAR = 8
+
+
+class Sections(Finder):
+    """Finds the orbits of a section of an oscillator in the times and velocities of impacts, and those that rest."""
+
+    def refuse_word(self, text: str, letters: tuple[int, ...]) -> None:
+        """Raise InputError for a word that no orbit can have."""
+        refuse_impossible(self.P, text, letters)
+
+    def refuse_long(self, text: str, letters: tuple[int, ...], longest: int) -> None:
+        """Raise InputError for a word of a stroboscopic map with too many impacts."""
+        impacts = self.impacts(letters, longest)
+        if impacts > MOST_IMPACTS:
+            raise InputError(
+                f"word {shown(text)} and period {longest} have {impacts} impacts; allowed are {MOST_IMPACTS}: the "
+                "search costs the cube of them. Simulate with gz.orbit_diagram; complete chatter is the letter C"
+            )
+
+    def impacts(self, letters: Sequence[int], longest: int) -> int:
+        """Return how many impacts a word of a stroboscopic map has in so many steps."""
+        return impacts_in(self.P, letters) * longest // len(letters) if letters and self.P.section == "strobe" else 0
+
+    def find(self, wanted: Wanted) -> Looked:
+        """Return the orbits; where none has the word that is wanted the virtual ones, too."""
+        P, tally, model = self.P, Tally(), model_of(self.P)
+        assert model is not None
+        refuse_many(P, wanted.starts, wanted.periods[-1])
+        search = Search(P, model, *wanted[:4], wanted.letters)
+        solutions = solutions_of(search, tally)
+        found, met = orbits_of(search, solutions, wanted.virtual)
+        found += [orbit for orbit in resting_orbits(P, wanted.periods[-1]) if orbit.period in wanted.periods]
+        asked = wanted.word
+        if asked is not None and not any(orbit.admissible and orbit.word == asked for orbit in found):
+            found, met = orbits_of(search, solutions, virtual=True)
+        return Looked(found, tally, met, turned=turned(found, asked) if P.section == "strobe" else ())
+
+    def of_many(self, orbit: Orbit) -> bool:
+        """Whether an orbit is a flight without impacts, as a ball without a spring has one from everywhere."""
+        return self.P.section == "strobe" and impacts_in(self.P, letters_of(orbit.word, self.P.letters)) == 0
+
+    def beside(self, s: Searched, word: str | None) -> str:
+        """Say up to how many impacts were tried, and how many guesses of the word."""
+        if not s.signatures:
+            return ""
+        said = f", with up to {max(n for n, _N in s.signatures)} impacts"
+        letters = letters_of(word, self.P.letters) if word is not None else ()
+        impacts = max((self.impacts(letters, n) for n in s.periods), default=0)
+        if self.P.section == "strobe" and aimed_guesses(impacts) < AIMED:
+            said += f", {aimed_guesses(impacts)} random guesses of the word instead of {AIMED}, as each costs "
+            said += f"the cube of its {impacts} impacts"
+        return said
+
+
+def impacts_in(P: Map, letters: Sequence[int]) -> int:
+    """Return how many impacts a word of a stroboscopic map has; one that rests counts as one, as it is no sequence."""
+    if isinstance(P.letters, Hits):
+        return sum(len(P.letters.walls(letter)) for letter in letters)
+    return sum(map(abs, letters))
+
+
+def turned(found: list[Orbit], asked: str | None) -> tuple[str, ...]:
+    """Return the words of admissible orbits that would have the word asked for, were the strobe at another time."""
+    kept = [orbit for orbit in found if orbit.admissible]
+    if asked is None or any(orbit.word == asked for orbit in kept):
+        return ()
+    around = {orbit.word: _around(orbit, orbit.word) for orbit in kept}
+    return tuple(sorted({one.word for one in kept if around[one.word] and around[one.word] == _around(one, asked)}))
+
+
+def _around(orbit: Orbit, text: str) -> tuple[int, ...]:
+    """Return the walls that an orbit would hit in its period if it had a word, least rotation; none for other maps."""
+    symbols = orbit.map.letters
+    letters = letters_of(text, symbols)
+    if not isinstance(symbols, Hits) or min(letters) < 0:
+        return ()
+    walls = [wall for letter in letters for wall in symbols.walls(letter)] * (orbit.period // len(letters))
+    return least_rotation(walls) if walls else ()
 
 
 class Search(NamedTuple):
     """What is looked for: a map of an oscillator, periods in its steps, how hard, and a word's letters if any."""
 
     P: Map
-    model: Model
+    model: Rig
     periods: tuple[int, ...]
     starts: int
     seed: int
@@ -70,7 +154,7 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     """Return all solutions of the closing equations that are found."""
     found = Solutions(search.model, tally)
     wanted = sorted({*search.periods, *(n // 2 for n in search.periods if n % 2 == 0)})
-    impacts = section_of(search.P) == "impact"
+    impacts = search.P.section == "impact"
     P = search.P if impacts else stroboscopic_map(search.model)
     runs = simulated(P, starts_of(search, P), wanted[-1], search.threads)
     tally.starts, tally.steps = runs.starts, runs.steps
@@ -107,7 +191,7 @@ def starts_of(search: Search, P: Map) -> Floats:
     c, low = frames.a, frames.za
     speed = c.size * c.rate
     box = np.array(P.box)
-    if section_of(P) == "impact":
+    if P.section == "impact":
         ends = [0.0, *(sign * WIDE * speed for sign in signs_of(search.model))]
         wide = np.array([[0.0, c.T], [min(ends), max(ends)]])
     else:
@@ -125,7 +209,7 @@ def _impacts_of(points: Floats, letters: NDArray[np.int64], search: Search) -> t
 
 def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: float) -> None:
     """Add what closed forms, random guesses, neighbours and doubled orbits give for N periods."""
-    for j, seen in enumerate(oscillators_of(search.model)) if 1 in counts else ():
+    for j, seen in enumerate(search.model.seen) if 1 in counts else ():
         try:
             known = one_impact_orbits(seen, N)
         except OutsideForm:
@@ -136,7 +220,7 @@ def _others(found: Solutions, search: Search, N: int, counts: list[int], speed: 
     for n in counts:
         found.at_random(N, n, speed, GUESSES, search.seed)
     found.doublings(N)
-    if section_of(search.P) != "impact" and found.neighbours(N, max(counts)):
+    if search.P.section != "impact" and found.neighbours(N, max(counts)):
         found.neighbours(N, max(counts))
 
 
@@ -175,7 +259,7 @@ def orbits_of(search: Search, found: Solutions, virtual: bool) -> tuple[list[Orb
 
 def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations | FreeEquations, Floats]]:
     """Yield the solutions of the wanted periods with their equations."""
-    impacts = section_of(search.P) == "impact"
+    impacts = search.P.section == "impact"
     if not impacts and 1 in search.periods:
         free = FreeEquations(search.model, ())
         start = free.neutral(NOTHING)
@@ -191,7 +275,7 @@ def _wanted(search: Search, found: Solutions) -> Iterator[tuple[ImpactEquations 
 def seen(orbit: ImpactOrbit, P: Map) -> Orbit:
     """Return an orbit of the oscillator as a map of it sees it: at its own phase, or from impact to impact."""
     phase, T = float(P.params.get("phase", 0.0)), orbit.model.period
-    if section_of(P) == "impact":
+    if P.section == "impact":
         walls = np.array(numbered(orbit.model, orbit.walls))
         points = np.column_stack([np.mod(orbit.times, T), signs_of(orbit.model)[walls] * orbit.outgoing])
         passed = np.floor(np.append(orbit.times[1:], orbit.times[0] + orbit.period * T) / T) - np.floor(orbit.times / T)

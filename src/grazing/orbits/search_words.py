@@ -9,7 +9,6 @@ import numpy as np
 from grazing.maps.hits import Struck
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.word import least_rotation, letters_of, primitive, word
 from grazing.oscillator.forcing import Forcing
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.reset import active_law, contraction_at, newton
@@ -18,19 +17,8 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import parameters
 
 
-def checked_word(P: Map, text: object) -> tuple[str | None, tuple[int, ...] | None]:
-    """Return a word as the library writes it, and its letters; None for none.
-
-    Raises
-    ------
-    InputError
-        For letters that the map does not have, and for words that no orbit of it can have.
-    """
-    if text is None:
-        return None, None
-    if not isinstance(text, str):
-        raise InputError(f"word is {shown(text)}; give a text such as '001', or 'LLR' for a map with such letters")
-    letters = least_rotation(primitive(letters_of(text, P.letters)))
+def refuse_impossible(P: Map, text: str, letters: tuple[int, ...]) -> None:
+    """Raise InputError for a word that no orbit of a section of an oscillator can have."""
     if P.model is not None and P.section == "strobe":
         _check_rests(P.model, text, letters)
         _check_counts(P.model, text, letters)
@@ -46,7 +34,6 @@ def checked_word(P: Map, text: object) -> tuple[str | None, tuple[int, ...] | No
             f"impact to the next, "
             "so none is C or S, and at least one is positive"
         )
-    return word(letters, P.letters), letters
 
 
 def _check_rests(model: Oscillator, text: str, letters: tuple[int, ...]) -> None:

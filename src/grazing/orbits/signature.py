@@ -11,14 +11,12 @@ from numpy.typing import NDArray
 from grazing.orbits.bounce_equations import equations_of_bounces
 from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import (
-    Model,
     left_walls,
     model_of,
     numbered,
     on_wall,
     pieces_of,
     relative,
-    section_of,
     strobes_of,
 )  # fmt: skip
 from grazing.orbits.equations import Equations
@@ -29,6 +27,7 @@ from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.piece_equations import equations_of_pieces
 from grazing.orbits.resting import resting_equations
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import CHATTER, STUCK, InputError
 
@@ -36,7 +35,7 @@ Floats = NDArray[np.float64]
 
 
 def impact_equations(
-    model: Model, names: tuple[str, ...], N: int, incoming: Floats, walls: Sequence[int] | None = None,
+    model: Rig, names: tuple[str, ...], N: int, incoming: Floats, walls: Sequence[int] | None = None,
     spans: Any = None,
 ) -> ImpactEquations | FreeEquations:  # fmt: skip
     """Return the equations of an orbit with these impacts in N periods, none of them for the one without impacts."""
@@ -63,7 +62,7 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
             return equations, equations.state(orbit)
         return equations, np.concatenate([orbit.times, orbit.outgoing])
     if model_of(P) is not None:
-        if section_of(P) == "strobe" and (P.walled is not None or P.params.get("phase") == 0.0) and rests(orbit):
+        if P.section == "strobe" and (P.walled is not None or P.params.get("phase") == 0.0) and rests(orbit):
             if P.walled is None:
                 return resting_equations(P, names, orbit.points, spans), np.zeros(1)
             return _rested(orbit, names, spans)
@@ -104,7 +103,7 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     """
     P, model = orbit.map, model_of(orbit.map)
     assert model is not None
-    if section_of(P) == "impact":
+    if P.section == "impact":
         start, after = map(float, orbit.points[0])
         u, v = on_wall(model, int(left_walls(model, orbit.points[0, 1])), start)
         state = u, v + after

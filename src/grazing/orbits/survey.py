@@ -14,8 +14,9 @@ from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE, closing, contact_after, impact_state, simple_zeros, turning
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.frames import alone
-from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.model import checked_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.windows import series
 from grazing.outcome import OutsideForm
 from grazing.parameter import parameter_tuple
@@ -36,9 +37,10 @@ class Family(NamedTuple):
     position: int  # of the parameter that varies in the row; -1 for none
     N: int
     law: int
+    unit: float  # of the parameter that varies: a step where it is 0
 
 
-def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]:
+def families(model: Rig, N: int, name: str | None = None) -> list[Family]:
     """Return the families of a model, one for each affine piece of its reset law.
 
     Raises
@@ -48,7 +50,7 @@ def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]
     OutsideForm
         For a reset law that is not known to be affine piece by piece.
     """
-    checked_model(model)
+    model = checked_model(model)
     law = model.reset
     if law.law not in (newton_law, active_law, triggered_law):
         raise OutsideForm(
@@ -62,7 +64,8 @@ def families(model: Oscillator, N: int, name: str | None = None) -> list[Family]
     index = [*flight, *rules].index(name) if name is not None else -1
     kicks = law.law is triggered_law and (rules["V"] > 0.0 or name == "V")
     pieces = (FIRED, PASSIVE) if kicks else (WHOLE,)
-    return [Family(parameter_tuple(names), model.harmonics, row, index, N, piece) for piece in pieces]
+    unit = 1.0 if name is None else model.unit_of(name)
+    return [Family(parameter_tuple(names), model.harmonics, row, index, N, piece, unit) for piece in pieces]
 
 
 def survey(

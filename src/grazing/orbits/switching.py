@@ -11,16 +11,16 @@ from scipy.optimize import root_scalar
 
 from grazing.orbits.closing import DIPS, OTHER, WHEN
 from grazing.orbits.closure import PASSIVE, WHOLE
-from grazing.orbits.contacts import PIECES, kick_of, walls_of
+from grazing.orbits.contacts import PIECES, kick_of
+from grazing.orbits.corrector import Point, closed, corrected, linearised, tangent_of, weighed
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.even_equations import EVEN, EvenEquations
+from grazing.orbits.events import Event
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
-from grazing.orbits.path import Event, Point, closed, corrected, linearised, tangent_of, weighed
-from grazing.orbits.piece_equations import PieceEquations
-from grazing.orbits.point_equations import PointEquations
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
+from grazing.oscillator.frames import frame_of
 from grazing.oscillator.reset import triggered_law
 from grazing.outcome import InputError
 
@@ -81,33 +81,9 @@ def seeded_at_fold(equations: Equations, x: Floats, p: Floats) -> Point | None:
     return seeded(equations, found[0][:n] * equations.scale, found[0][n:] * equations.spans, along)
 
 
-def doubled(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats]:
-    """Return the equations of two turns, and the solution that goes round twice."""
-    names = equations.names
-    spans = equations.spans
-    if isinstance(equations, ImpactEquations):
-        n, N = equations.n, equations.N
-        twice = ImpactEquations(equations.model, names, 2 * N, equations.pieces * 2, spans)
-        return twice, np.concatenate([x[:n], x[:n] + N * equations.period_at(p), x[n:], x[n:]])
-    if isinstance(equations, PointEquations):
-        return equations.like(equations.letters * 2), np.tile(x, 2)
-    raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
-
-
-def halved(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats]:
-    """Return the equations of half the turns, and the mean of both halves of a solution."""
-    if isinstance(equations, ImpactEquations):
-        n, h, turn = equations.n, equations.n // 2, equations.N // 2 * equations.period_at(p)
-        pieces = equations.pieces[:h]
-        half = ImpactEquations(equations.model, equations.names, equations.N // 2, pieces, equations.spans)
-        return half, 0.5 * np.concatenate([x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :]])
-    assert isinstance(equations, PointEquations)
-    return equations.like(equations.letters[: equations.N // 2]), 0.5 * (x[: len(x) // 2] + x[len(x) // 2 :])
-
-
 def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats, Floats, bool]:
     """Return where an orbit that goes round twice is one of half its period: its period doubling, to rounding."""
-    half, x = halved(equations, x, p)
+    half, x = equations.halving(x, p)
     return half, *vanishing(half, closed, 0, x, p)
 
 
@@ -194,7 +170,7 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
     spans = np.array([high - low])
     equations, x = equations_of(special.orbit, (name,), spans)
     if special.type == "pd":
-        equations, x = doubled(equations, x, np.array([special.value]))
+        equations, x = equations.doubling(x, np.array([special.value]))
     z = np.concatenate([x / equations.scale, np.array([special.value]) / spans])
     _F, wide = linearised(equations, z)
     one, other = np.linalg.svd(wide)[2][-2:]
@@ -219,18 +195,6 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
     if not seeds:
         raise InputError(f"no other branch was found within {AWAY[0]:g} to {AWAY[-1]:g} of {special!r}")
     return seeds
-
-
-def called(equations: Equations, type: str, where: int, p: Floats) -> tuple[str, str]:
-    """Return the type of a special point, and the letter of the wall that it is about; empty for none.
-
-    An impact that loses its speed at a wall that does not kick the ball is a graze, as one dip that meets it.
-    """
-    wall = equations.touched(type, where)[1]
-    if wall < 0 or not isinstance(equations, (ImpactEquations, FreeEquations)):
-        return type, ""
-    grazes = type == "v0" and kick_of(equations.model_at(p), wall) == 0.0
-    return "gr" if grazes else type, str(walls_of(equations.model)[wall].name)
 
 
 def allowed(equations: Equations, x: Floats, p: Floats) -> bool:
@@ -259,10 +223,8 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
     """
     if not event.converged or not on_the_edge(equations, event):
         return []
-    if isinstance(equations, PieceEquations):
-        return flipped(equations, event, x, p)
     if not isinstance(equations, (ImpactEquations, FreeEquations)):
-        return []
+        return flipped(equations, event, x, p)
     if kick_of(equations.model_at(p), equations.touched(event.type, event.where)[1]) != 0.0:
         return []
     new = grown(equations, event, x, p) if event.type == "gr" else shrunk(equations, event, x, p)
@@ -272,8 +234,11 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
 def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
     """Return the branch with one impact more, which begins with speed 0 where a flight touches the wall."""
     model, (i, wall) = equations.model, equations.touched(event.type, event.where)
-    piece = PIECES * wall + (PASSIVE if walls_of(model)[wall].law.law is triggered_law else WHOLE)
+    piece = PIECES * wall + (PASSIVE if model.walls[wall].law.law is triggered_law else WHOLE)
     if isinstance(equations, FreeEquations):
+        seen = frame_of(wall == 1, equations.frames(p))
+        if not any((*seen.cos, *seen.sin)):  # a ball at rest lies down on the wall
+            return None
         _end, _E, dips = equations.turned(x, p)
         new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
         return begins(new, np.array([dips[wall, 1], 0.0]), p, "v0", 0)
@@ -309,7 +274,7 @@ def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, 
     return begins(new, np.concatenate([times, after]), p, "gr", equations.walls[k] * (n - 1) + flight)
 
 
-def flipped(equations: PieceEquations, event: Event, x: Floats, p: Floats) -> list[Seed]:
+def flipped(equations: Equations, event: Event, x: Floats, p: Floats) -> list[Seed]:
     """Return the branch of a map by pieces whose point at the border has the other letter, where it is continuous."""
     found = equations.across(x, p, event.where)
     if found is None or not found.close:
@@ -347,46 +312,8 @@ def begins(equations: Equations, x: Floats, p: Floats, type: str, where: int) ->
 
 def turns(equations: Equations, x: Floats, p: Floats) -> int:
     """Return how many times a solution goes round the same shorter orbit; 1 for an orbit of its full period."""
-    N = equations.N
-    for k in range(N, 1, -1):
-        if N % k:
-            continue
-        if isinstance(equations, ImpactEquations):
-            n = equations.n
-            m = n // k
-            if n % k or equations.walls[m:] + equations.walls[:m] != equations.walls:
-                continue
-            period = (x[m] - x[0]) / (N // k)  # that of the forcing, if it does repeat
-            times = np.concatenate([x[m:n], x[:m] + N * period]) - (N // k) * period
-            if abs(period - equations.period_at(p)) > 0.1 * equations.period_at(p):
-                continue
-            apart = np.concatenate([times - x[:n], np.roll(x[n:], -m) - x[n:]])
-        elif isinstance(equations, PointEquations):
-            apart = np.roll(x, -len(x) // k) - x
-        else:
-            continue
-        if np.abs(apart / equations.scale).max() < REPEATED:
-            return k
+    for k in range(equations.N, 1, -1):
+        if equations.N % k == 0 and (apart := equations.later(x, p, k)) is not None:
+            if np.abs(apart).max() < REPEATED:
+                return k
     return 1
-
-
-def same_solution(one: Equations, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
-    """Whether two solutions at the same parameters are one orbit, begun at another impact or point perhaps."""
-    if len(x) != len(y):
-        return False
-    if isinstance(one, ImpactEquations) and isinstance(other, ImpactEquations):
-        n, T = one.n, one.period_at(p)
-        for k in range(n):
-            if other.walls[k:] + other.walls[:k] != one.walls:
-                continue
-            times = np.concatenate([y[k:n], y[:k] + one.N * T])
-            gap = np.mod(times - x[:n] + 0.5 * T, T) - 0.5 * T
-            after = np.concatenate([y[n + k :], y[n : n + k]])
-            if max(np.abs(gap / one.scale[:n]).max(), np.abs((after - x[n:]) / one.scale[n:]).max()) < 1e-5:
-                return True
-        return False
-    if isinstance(one, PieceEquations) and isinstance(other, PieceEquations):
-        # words that differ are different orbits where all their points are at one border, too
-        turned = (k for k in range(one.N) if other.letters[k:] + other.letters[:k] == one.letters)
-        return any(np.abs((np.roll(y, -int(other.starts[k])) - x) / one.scale).max() < 1e-5 for k in turned)
-    return any(np.abs((np.roll(y, k) - x) / one.scale).max() < 1e-5 for k in range(len(x)))

@@ -9,8 +9,7 @@ import numpy as np
 
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.windows import windows
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.outcome import InputError
 
 if TYPE_CHECKING:
@@ -84,7 +83,7 @@ def orbit_table(found: Orbits) -> xr.Dataset:
 
 
 def window_table(
-    model: Oscillator | Walled,
+    model: Rig,
     name: str,
     N: Sequence[int] = PERIODS,
     span: tuple[float, float] | None = None,
@@ -109,12 +108,14 @@ def window_table(
     >>> dict(window_table(gz.pinball(V=0.4), "d", [2, 3]).sizes)
     {'window': 2}
     """
-    if sensitivity and not isinstance(model, Oscillator):
+    if sensitivity and isinstance(model, Rig) and model.walled:
         raise InputError("derivatives of edges are those of windows over one wall; leave out sensitivity")
     table = windows(model, name, N, span, samples, words)
-    if sensitivity and isinstance(model, Oscillator):
+    if sensitivity:
         from grazing.orbits.sensitivity import sensitivity as derivatives
 
-        moved = derivatives(model, name, table.attrs["N"], span, table.attrs["samples"])[["derivative", "error"]]
+        moved = derivatives(model.seen[0], name, table.attrs["N"], span, table.attrs["samples"])[
+            ["derivative", "error"]
+        ]
         table = table.merge(moved.rename(parameter="moved"))
     return table

@@ -19,11 +19,10 @@ from grazing.orbits.curves import Curve, Edge, curves, wrapped
 from grazing.orbits.exact_edges import before_fold, family_scale, ordered
 from grazing.orbits.survey import CLEARANCE, DIP, FIRST_TEST, PHASE, extremum, families
 from grazing.orbits.word_windows import PIECES, VALUES, checked_words, piece_words, word_windows
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import damped
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
-from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, checked_periods, unknown, value_of, whole
 
@@ -49,7 +48,7 @@ Row = tuple[int, Edge, Edge, str, tuple[float, float]]
 
 
 def windows(
-    model: Oscillator | Walled,
+    model: Rig,
     name: str,
     N: int | Iterable[int] = range(1, 8),
     span: tuple[float, float] | None = None,
@@ -128,7 +127,7 @@ def windows(
     ...     print(f"{row.low:.12f} {row.low_type:s} {row.high:.12f} {row.high_type:s}")
     0.098450444937 gr 0.123281449644 pd
     """
-    if isinstance(model, Walled):
+    if isinstance(model, Rig) and model.walled:
         return _between_walls(model, name, N, span, samples, words)
     if words is not None:
         raise InputError(f"words = {shown(words)} are orders of walls; an oscillator with one wall has one impact here")
@@ -158,7 +157,7 @@ def phase_of(curve: Curve, edge: Edge) -> float:
     return float(curve.at(edge.value)[PHASE]) % TWO_PI
 
 
-def _between_walls(model: Walled, name: str, N: Any, span: Any, samples: int | None, words: Any) -> xr.Dataset:
+def _between_walls(model: Rig, name: str, N: Any, span: Any, samples: int | None, words: Any) -> xr.Dataset:
     """Return the windows of orbits between walls."""
     checked_name(name, model.params, "the model")
     model.refuse_made([name])
@@ -319,10 +318,10 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
     return float(brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
 
 
-def _span(model: Oscillator | Walled, name: str, span: Any) -> tuple[float, float]:
+def _span(model: Rig, name: str, span: Any) -> tuple[float, float]:
     """Return the span searched, checked, or the default one."""
     known = model.describe(name)
-    parameter = damped(known) if isinstance(model, Oscillator) else known
+    parameter = known if model.walled else damped(known)
     if span is not None:
         try:
             low, high = span
@@ -343,7 +342,7 @@ def _span(model: Oscillator | Walled, name: str, span: Any) -> tuple[float, floa
 
 
 def _dataset(
-    model: Oscillator | Walled,
+    model: Rig,
     name: str,
     periods: list[int],
     span: tuple[float, float],

@@ -15,19 +15,21 @@ import numpy as np
 
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.branch import Branch, Piece, continuation
+from grazing.orbits.branch import Branch, continuation
+from grazing.orbits.branch_search import Piece
 from grazing.orbits.branch_windows import windows_of_piece
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
 from grazing.orbits.contacts import contacts_of, piece_of, pieces_of, wall_of
 from grazing.orbits.curves import Edge
+from grazing.orbits.finder import Tally
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.search_flights import recorded
-from grazing.orbits.search_impacts import NOTHING, Solutions, Tally
+from grazing.orbits.search_impacts import NOTHING, Solutions
 from grazing.orbits.search_section import GUESSES, Search, starts_of
 from grazing.orbits.search_windows import recurrences, simulated
 from grazing.orbits.word import least_rotation
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.outcome import InputError, shown
 
 #: Pieces of a law, in words.
@@ -57,7 +59,7 @@ class WordWindow(NamedTuple):
     orbit: ImpactOrbit
 
 
-def checked_words(model: Walled, words: Any) -> list[str]:
+def checked_words(model: Rig, words: Any) -> list[str]:
     """Return orders of walls, each begun so that it comes first; by default each wall alone, and to and fro.
 
     Raises
@@ -82,7 +84,7 @@ def checked_words(model: Walled, words: Any) -> list[str]:
 
 
 def word_windows(
-    model: Walled, name: str, periods: Sequence[int], words: Sequence[str], bounds: tuple[float, float], values: int
+    model: Rig, name: str, periods: Sequence[int], words: Sequence[str], bounds: tuple[float, float], values: int
 ) -> list[WordWindow]:
     """Return the windows of orbits with these orders of walls; see :func:`grazing.windows`."""
     low, high = bounds
@@ -121,7 +123,7 @@ def met(P: Map, N: int, words: Sequence[str]) -> list[ImpactOrbit]:
     return orbits
 
 
-def signatures(model: Walled, word: str) -> Iterator[tuple[int, ...]]:
+def signatures(model: Rig, word: str) -> Iterator[tuple[int, ...]]:
     """Yield the contacts of a word: of a trigger each piece of the law."""
     at = [[one for one in contacts_of(model) if wall_of(one) == model.names.index(wall)] for wall in word]
     yield from sorted({min(one[k:] + one[:k] for k in range(len(one))) for one in product(*at)})
@@ -209,7 +211,7 @@ def distinct(found: Iterable[WordWindow], close: float) -> list[WordWindow]:
     return kept
 
 
-def piece_words(window: WordWindow, model: Walled) -> str:
+def piece_words(window: WordWindow, model: Rig) -> str:
     """Return the pieces of the laws that act, in order; one word where they are the same."""
     orbit = window.orbit
     walls = [model.names.index(wall) for wall in orbit.walls]

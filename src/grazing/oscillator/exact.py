@@ -15,10 +15,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from grazing.oscillator.exact_contact import Rule
-from grazing.oscillator.exact_flight import Flight, Motion, next_impact, rounded, windows_of
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.exact_flight import Flight, next_impact, rounded
+from grazing.oscillator.exact_motion import Motion, windows_of
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.sure import Beyond, Undecided, rational, sign
-from grazing.oscillator.walled import Walled
 from grazing.outcome import BAD_LAW, CHATTER, OK
 from grazing.pool import LOCK
 
@@ -60,14 +60,13 @@ class Frame:
     side (f - z'' - alpha z' - k^2 z).
     """
 
-    def __init__(self, model: Oscillator | Walled, j: int, phase: float) -> None:
+    def __init__(self, model: Rig, j: int, phase: float) -> None:
         from flint import arb
 
-        seen = model if isinstance(model, Oscillator) else model.seen_from(j)
-        self.side, self.sigma = 1, model.sigma if isinstance(model, Oscillator) else model.walls[j].position
+        seen = model.seen[j]
+        self.side, self.sigma = int(model.walls[j].sign), model.walls[j].position
         force, moved = _pairs(model.forcing.cos, model.forcing.sin), []
-        if isinstance(model, Walled):
-            self.side = 1 if model.walls[j].sign > 0.0 else -1
+        if model.walls[j].motion is not None:
             wave = model.waves(j, np.array([list(model.params.values())]))[0].tolist()
             moved = _pairs(wave[::2], wave[1::2])
         omega, alpha = rational(model.forcing.omega), rational(model.alpha)
@@ -145,7 +144,7 @@ def first_of(
     return earlier, k, min(again.near, across.near), across
 
 
-def started(model: Oscillator | Walled, frames: list[Frame], u: float, v: float) -> tuple[int, arb, arb]:
+def started(model: Rig, frames: list[Frame], u: float, v: float) -> tuple[int, arb, arb]:
     """Return the wall that sees a state at the strobe, and distance and velocity as it sees them.
 
     That is the first one, but for a ball on the second. Where a wall moves its place is no double: a ball so near to it
@@ -164,17 +163,15 @@ def started(model: Oscillator | Walled, frames: list[Frame], u: float, v: float)
     return j, *seen[j]
 
 
-def followed(model: Oscillator | Walled, phase: float, u: float, v: float) -> Period:
+def followed(model: Rig, phase: float, u: float, v: float) -> Period:
     """Return the period at the working precision, or raise Undecided or Beyond."""
     from flint import arb
 
-    frames = [Frame(model, j, phase) for j in range(1 if isinstance(model, Oscillator) else len(model.walls))]
+    frames = [Frame(model, j, phase) for j in range(len(model.walls))]
     j, y, speed = started(model, frames, u, v)
     t, i, T = arb(0), 0, frames[0].motion.T
     patience: arb | float = inf
-    if (
-        isinstance(model, Walled) and len(frames) > 1
-    ):  # a hop that begins no faster rises to less than half the room in a period
+    if len(frames) > 1:  # a hop that begins no faster rises to less than half the room in a period
         patience = arb(0.4999 * float(model.rooms(np.array([list(model.params.values())]))[0])) / T
     walls: list[int] = []
     outcome, near, slow, rest = OK, inf, inf, 0
@@ -203,7 +200,7 @@ def followed(model: Oscillator | Walled, phase: float, u: float, v: float) -> Pe
         y, contact = arb(0), True
 
 
-def exact_period(model: Oscillator | Walled, state: tuple[float, float], phase: float = 0.0) -> Period | None:
+def exact_period(model: Rig, state: tuple[float, float], phase: float = 0.0) -> Period | None:
     """Advance the oscillator by one period of its forcing, with every decision proved in ball arithmetic.
 
     Parameters
@@ -245,8 +242,6 @@ def exact_period(model: Oscillator | Walled, state: tuple[float, float], phase: 
     return None
 
 
-def _inside(model: Oscillator | Walled, u: float) -> bool:
+def _inside(model: Rig, u: float) -> bool:
     """Say whether a state is inside a wall at rest; those that move are asked in balls."""
-    if isinstance(model, Oscillator):
-        return not u >= model.sigma
-    return any(one.motion is None and one.sign * (u - one.position) < 0.0 for one in model.walls)
+    return any(one.motion is None and not one.sign * (u - one.position) >= 0.0 for one in model.walls)

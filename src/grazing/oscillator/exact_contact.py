@@ -9,7 +9,7 @@ from collections.abc import Mapping
 from math import floor, inf, isfinite, log2, nextafter
 from typing import TYPE_CHECKING
 
-from grazing.oscillator.exact_flight import Motion, Window
+from grazing.oscillator.exact_motion import Motion, Window
 from grazing.oscillator.reset import Reset, contraction_at
 from grazing.oscillator.sure import Beyond, Slope, Sure, Undecided, arb_between, sign
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK

@@ -5,14 +5,14 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from itertools import count, takewhile
+from itertools import count, islice, takewhile
 from typing import Any, TypeVar
 
 import numpy as np
 
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import real, whole
+from grazing.parameter import in_order, real, whole
 
 T = TypeVar("T")
 
@@ -64,9 +64,6 @@ class Forcing:
             raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {TOO_LATE}")
         if self.cos is None:
             object.__setattr__(self, "cos", () if hasattr(self.sin, "__len__") and len(self.sin) else (1.0,))
-        for name, values in (("cos", self.cos), ("sin", self.sin)):
-            if hasattr(values, "__len__") and len(values) > MOST_HARMONICS:
-                raise InputError(f"{name} has {len(values)} amplitudes; allowed are at most {MOST_HARMONICS}")
         cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")
         for name, found in (("cos", cos), ("sin", sin)):
             for j, value in enumerate(found, start=1):
@@ -124,7 +121,10 @@ class Forcing:
         >>> round(force.offset, 12), [round(x, 12) for x in force.cos]
         (0.2, [1.0])
         """
-        values = np.asarray(samples)
+        try:
+            values = np.asarray(in_order(samples))
+        except Exception:  # of whatever object was given
+            values = np.empty(0)
         if values.ndim != 1 or len(values) < 3 or values.dtype.kind not in "iuf" or not np.isfinite(values).all():
             raise InputError(
                 f"samples = {shown(samples)}; give the values of the force in one period, at least 3 finite numbers"
@@ -172,12 +172,14 @@ def series_said(force: Any) -> str:
 
 def _amplitudes(values: Any, name: str) -> tuple[float, ...]:
     try:
-        items = tuple(values)
-    except TypeError:
+        items = tuple(islice(in_order(values), MOST_HARMONICS + 1))
+    except Exception:  # of whatever object was given
         raise InputError(
             f"{name} = {shown(values)}; give one amplitude per harmonic, such as {name}=(1.0, 0.5)"
             + (f": {series_said(values)}" if callable(values) else "")
         ) from None
+    if len(items) > MOST_HARMONICS:
+        raise InputError(f"{name} has more than {MOST_HARMONICS} amplitudes, which are the most")
     return tuple(real(value, f"{name}{j + 1}", "any finite amplitude is allowed") for j, value in enumerate(items))
 
 

@@ -15,10 +15,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.primitives import built, replaced, unit
-from grazing.oscillator.constants import Constants, constants_of, section_phase
+from grazing.oscillator.constants import Constants, angle, constants_of, section_phase
 from grazing.oscillator.contact import NO_LAUNCH, Ball, Launch, contact_until
 from grazing.oscillator.pointed import flight_fields, flight_kind, pointed_rows
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.windows import series
 from grazing.parameter import parameter_tuple
 
@@ -44,6 +44,15 @@ class Frames(NamedTuple):
     unsure: float  # the same of the first wall's place at the strobe, where it moves
     unsure_w: float
     patience: float  # speed of departure up to which a ball that chatters surely stays away from the other wall
+
+
+class Clock(NamedTuple):
+    """What :func:`wave_at` needs of what a wall sees: room for harmonics, and the phase at the strobe."""
+
+    cos: tuple[float, ...]
+    sin: tuple[float, ...]
+    omega: float
+    theta: float
 
 
 def frame_of(b: bool, c: Frames) -> Constants:
@@ -155,13 +164,25 @@ def linked(a: Constants, b: Constants, link: tuple[float, ...]) -> Frames:
     )  # fmt: skip
 
 
-def wave_at(link: tuple[float, ...], first: int, c: Constants) -> tuple[float, float]:
+def wave_at(link: tuple[float, ...], first: int, c: Constants | Clock) -> tuple[float, float]:
     """Return where a wall is at the strobe, and how fast it moves; its numbers begin at a place."""
     H = len(c.cos)
     cos, sin = c.cos, c.sin
     for j in range(H):
         cos, sin = replaced(cos, j, link[first + 1 + j]), replaced(sin, j, link[first + 1 + H + j])
     return series(0.0, link[first], cos, sin, c.omega, c.theta)
+
+
+def walls_at_strobe(model: Rig, row: Floats) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return place and velocity of the first wall and of the last one at a row of the model's parameters and a phase.
+
+    They are those of :func:`plain_frames`, without the windows of the force.
+    """
+    rows, none = np.asarray(row, np.float64).reshape(1, -1), (0.0,) * model.harmonics
+    _alpha, _spring, omega, t0, *_rest, phase = rows[0].tolist()
+    clock = Clock(none, none, omega, angle(omega, t0) + angle(omega, phase))
+    link = tuple(link_rows(model, rows)[0].tolist())
+    return wave_at(link, 3, clock), wave_at(link, 4 + 2 * model.harmonics, clock)
 
 
 @lru_cache(maxsize=64)
@@ -187,21 +208,24 @@ def frames_of(harmonics: int) -> Callable[..., Frames]:
     return frames
 
 
-def link_rows(model: Walled, rows: Floats) -> Floats:
+def link_rows(model: Rig, rows: Floats) -> Floats:
     """Return how the walls lie to each other, for rows of the model's parameters.
 
     Whether there are two, the side of the first (1 for below, -1 for above), a lower bound on the room between them,
     and for each its position and the cosines and sines of its motion; the first one's again where there is one only.
     """
-    two = len(model.walls) > 1
-    found = [np.full(len(rows), float(two)), np.full(len(rows), model.walls[0].sign), model.rooms(rows)]
-    for j in (0, 1) if two else (0, 0):
+    two, H = len(model.walls) > 1, model.harmonics
+    found = np.empty((len(rows), 5 + 4 * H))
+    found[:, 0], found[:, 1], found[:, 2] = two, model.walls[0].sign, model.rooms(rows)
+    for j, first in ((0, 3), (1 if two else 0, 4 + 2 * H)):
         waves = model.waves(j, rows)
-        found += [rows[:, model.places[j].sigma], *waves[:, ::2].T, *waves[:, 1::2].T]
-    return np.column_stack(found)
+        found[:, first] = rows[:, model.places[j].sigma]
+        found[:, first + 1 : first + 1 + H] = waves[:, ::2]
+        found[:, first + 1 + H : first + 1 + 2 * H] = waves[:, 1::2]
+    return found
 
 
-def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
+def frames_rows(model: Rig, rows: Floats, arithmetic: str) -> tuple[Floats, Floats]:
     """Return the numbers that a kernel needs at rows of the model's parameters and a phase, and what they point into.
 
     Each wall's numbers are those of :func:`grazing.oscillator.pointed.flight_fields`; the laws come by address.
@@ -216,7 +240,7 @@ def frames_rows(model: Walled, rows: Floats, arithmetic: str) -> tuple[Floats, F
     return np.ascontiguousarray(np.column_stack([found[0], found[-1], link_rows(model, rows)])), source
 
 
-def plain_frames(model: Walled, row: Floats) -> Frames:
+def plain_frames(model: Rig, row: Floats) -> Frames:
     """Return the frames at a row of the model's parameters and a phase, with laws as plain Python has them."""
     rows = np.asarray(row, np.float64).reshape(1, -1)
     prepare = constants_of(model.harmonics, section_phase)

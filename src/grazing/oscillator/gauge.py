@@ -16,14 +16,12 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.legs import END, LEG, MAX_IMPACTS, START, V_MINUS, V_PLUS, V, Y, flown_legs, heights
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.legs import END, HIT, LEG, MAX_IMPACTS, SEEN, START, V_MINUS, V_PLUS, V, Y, flown_legs, heights
 from grazing.oscillator.pointed import flight_kind, pointed_model
-from grazing.oscillator.walled import Walled
-from grazing.oscillator.walled_trajectory import HIT, SEEN, above_first, walled_legs
+from grazing.oscillator.rig import Rig
+from grazing.oscillator.walled_trajectory import above_first
 
 Floats = NDArray[np.float64]
-Model = Oscillator | Walled
 
 #: What is read from a motion, each over a whole cycle, and its units for a model in SI units: of position and velocity,
 #: and of impacts, 0 where there is none.
@@ -82,9 +80,9 @@ class Cycle(NamedTuple):
     start: float
 
 
-def readings_of(model: Model) -> dict[str, tuple[str, str]]:
+def readings_of(model: Rig) -> dict[str, tuple[str, str]]:
     """Return the readings of a model with what each means and its units: of two walls some are said of each, too."""
-    if isinstance(model, Oscillator) or len(model.walls) < 2:
+    if len(model.walls) < 2:
         return READINGS
     named = {f"{wall}.{name}": (wall, *READINGS[name]) for wall in model.names for name in BY_WALL}
     words = {name: (_of_wall(meaning, wall), units) for name, (wall, meaning, units) in named.items()}
@@ -98,12 +96,12 @@ def _of_wall(meaning: str, wall: str) -> str:
     return f"{meaning}, wall {wall}".replace("an impact, ", "an impact at ").replace("impacts, ", "impacts at ")
 
 
-def flown_cycle(model: Model, state: tuple[float, float], periods: int, start: float = 0.0) -> Cycle:
+def flown_cycle(model: Rig, state: tuple[float, float], periods: int, start: float = 0.0) -> Cycle:
     """Return the motion that a ball makes from a state at time ``start`` in so many periods.
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
     state : (float, float)
         Position and velocity.
     periods : int
@@ -115,12 +113,8 @@ def flown_cycle(model: Model, state: tuple[float, float], periods: int, start: f
         For a reset law that returns what it must not.
     """
     until = start + periods * model.period
-    if isinstance(model, Oscillator):
-        legs = flown_legs(model, state, start, until, MAX_IMPACTS)
-        seen = hit = np.zeros(len(legs), np.int64)
-    else:
-        legs = walled_legs(model, state, start, until, MAX_IMPACTS)
-        seen, hit = legs[:, SEEN].astype(np.int64), legs[:, HIT].astype(np.int64)
+    legs = flown_legs(model, state, start, until, MAX_IMPACTS)
+    seen, hit = legs[:, SEEN].astype(np.int64), legs[:, HIT].astype(np.int64)
     length, rests = legs[:, END] - legs[:, START], legs[:, LEG] != 0.0
     hits = ~np.isnan(legs[:, V_MINUS])
     begins = legs[:, START]
@@ -135,17 +129,15 @@ def flown_cycle(model: Model, state: tuple[float, float], periods: int, start: f
     )
 
 
-def _above_first(model: Model, seen: NDArray[np.int64], t: Floats, y: Floats, v: Floats) -> tuple[Floats, Floats]:
+def _above_first(model: Rig, seen: NDArray[np.int64], t: Floats, y: Floats, v: Floats) -> tuple[Floats, Floats]:
     """Return heights and velocities, as walls see them at times, above the place of the first wall, at rest."""
-    if isinstance(model, Oscillator) or not len(t):
-        return y, v
     at, speed = model.places_at(t)
     sign, which = np.array([wall.sign for wall in model.walls])[seen], np.arange(len(t))
     return at[seen, which] - model.walls[0].position + sign * y, speed[seen, which] + sign * v
 
 
 def repeated_cycle(
-    model: Model,
+    model: Rig,
     state: tuple[float, float],
     times: Floats,
     incoming: Floats,
@@ -157,7 +149,7 @@ def repeated_cycle(
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
     state : (float, float)
         Position and velocity at time 0; of no matter where there are impacts.
     times, incoming, outgoing : ndarray, shape (n,)
@@ -176,12 +168,12 @@ def repeated_cycle(
     return Cycle(flights, np.empty((0, 3)), np.asarray(incoming), np.asarray(outgoing), struck, periods, 0.0)
 
 
-def gauged(model: Model, cycle: Cycle) -> dict[str, float]:
+def gauged(model: Rig, cycle: Cycle) -> dict[str, float]:
     """Return the readings of a motion, by the names of :func:`readings_of`.
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
     cycle : Cycle
 
     Examples
@@ -196,7 +188,7 @@ def gauged(model: Model, cycle: Cycle) -> dict[str, float]:
     half, u, v = _pieces(model, cycle)
     time = cycle.periods * model.period
     # relative to a wall that moves these speeds are not those of the ball, which the pieces have
-    speeds = np.concatenate([-cycle.incoming, cycle.outgoing, [0.0]]) if isinstance(model, Oscillator) else np.zeros(1)
+    speeds = np.concatenate([-cycle.incoming, cycle.outgoing, [0.0]]) if not model.walled else np.zeros(1)
     none = np.empty(0)
     found = {
         "amplitude": 0.5 * (_greatest(u, none) + _greatest(-u, none)),
@@ -205,7 +197,7 @@ def gauged(model: Model, cycle: Cycle) -> dict[str, float]:
         "rms_velocity": float(np.sqrt((v * v @ (1.0 / _DEGREES) * half).sum() / time)),  # Parseval
         **_struck(cycle, np.ones(len(cycle.walls), bool)),
     }
-    for j, wall in enumerate(() if isinstance(model, Oscillator) or len(model.walls) < 2 else model.names):
+    for j, wall in enumerate(() if len(model.walls) < 2 else model.names):
         found |= {f"{wall}.{name}": value for name, value in _struck(cycle, cycle.walls == j).items()}
     return found
 
@@ -223,7 +215,7 @@ def _struck(cycle: Cycle, hits: NDArray[np.bool_]) -> dict[str, float]:
     )
 
 
-def _pieces(model: Model, cycle: Cycle) -> tuple[Floats, Floats, Floats]:
+def _pieces(model: Rig, cycle: Cycle) -> tuple[Floats, Floats, Floats]:
     """Return half the length of each piece, and the series of height and velocity on it, shape (pieces, NODES).
 
     Heights are above the place of the first wall, at rest.
@@ -240,14 +232,11 @@ def _pieces(model: Model, cycle: Cycle) -> tuple[Floats, Floats, Floats]:
     rides = cycle.rides[cycle.rides[:, 1] > 0.0]
     if not len(rides):
         return series
-    fastest = 0.0 if isinstance(model, Oscillator) else model.harmonics * model.forcing.omega
+    fastest = 0.0 if not model.walled else model.harmonics * model.forcing.omega
     which, half, passed = _cut(rides[:, 1], fastest)
-    at, speed = np.zeros((2, passed.size))
-    if not isinstance(model, Oscillator):
-        wall, t = np.repeat(rides[which, 2].astype(np.int64), NODES), np.repeat(rides[which, 0], NODES) + passed.ravel()
-        places, speeds = model.places_at(cycle.start + t)
-        at = places[wall, np.arange(len(t))] - free.sigma
-        speed = speeds[wall, np.arange(len(t))]
+    wall, t = np.repeat(rides[which, 2].astype(np.int64), NODES), np.repeat(rides[which, 0], NODES) + passed.ravel()
+    at, speed = (one[wall, np.arange(len(t))] for one in model.places_at(cycle.start + t))
+    at = at - free.sigma
     ridden = half, at.reshape(passed.shape) @ _SERIES.T, speed.reshape(passed.shape) @ _SERIES.T
     whole = [np.concatenate(both) for both in zip(series, ridden, strict=True)]
     return whole[0], whole[1], whole[2]

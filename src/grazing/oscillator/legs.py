@@ -14,9 +14,19 @@ from grazing.kernel.lanes import unpacker
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.contact import FLIES, departure_of, next_contact, placed
 from grazing.oscillator.flight import anchored, flight
+from grazing.oscillator.frames import (
+    first_contact,
+    frame_of,
+    frames_kind,
+    frames_of,
+    frames_rows,
+    seen_at_strobe,
+    seen_from_strobe,
+)  # fmt: skip
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.oscillator.reset import in_python
+from grazing.oscillator.rig import Rig
 from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError, defined
 from grazing.parameter import parameters
 
@@ -27,8 +37,8 @@ PATIENCE = 1e-6
 CAPACITY = 4096
 #: A trajectory lists every impact; beyond so many it is refused by name.
 MAX_IMPACTS = 200_000
-# columns of a leg
-PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG = range(9)
+# columns of a leg; the last two say which wall sees it, and which it ends at
+PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG, SEEN, HIT = range(11)
 
 
 @lru_cache(maxsize=64)
@@ -89,6 +99,69 @@ def recorder_of(
     return compiled(record)
 
 
+def numbered(b: bool) -> float:
+    """Return the number of a wall: 1 for the second."""
+    return 1.0 if b else 0.0
+
+
+@lru_cache(maxsize=64)
+def walled_recorder(harmonics: int) -> Callable[..., int]:
+    """Compile ``record(row, state, legs, until)``: fill legs until a time or the table's end.
+
+    ``state`` holds (periods, t, u or y, v, window, fastest, in the air, wall): at a strobe the state (u, v), else the
+    ball as a wall sees it. It is moved along, so the call can be repeated.
+    """
+    departure, prepare = departure_of(*POINTED), frames_of(harmonics)
+    unpack = unpacker(frames_kind(harmonics))
+
+    def record(row: Any, state: Any, legs: Any, until: float) -> int:
+        c = prepare(unpack(row))
+        n, fastest, grounded = int(state[0]), state[5], state[6] == 0.0
+        if grounded:
+            b, ball = seen_from_strobe(state[2], state[3], c)
+        else:
+            b, ball = state[7] > 0.0, placed(state[1], state[2], state[3], int(state[4]))
+        u, v, count = state[2], state[3], 0
+        while count + 2 < legs.shape[0] and n * c.a.T + ball.t < until:
+            leg = legs[count]
+            leg[0], leg[1], leg[2], leg[3] = n, ball.t, ball.y, ball.v
+            leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
+            leg[9], leg[10] = numbered(b), numbered(b)
+            count += 1
+            hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
+            if not hit:
+                hit, b, ball, flags, _near = first_contact(ball, b, c)
+            leg[4], leg[10] = ball.t, numbered(b)
+            if hit:
+                arrived = ball.v
+                how, ball, said = departure(ball, min(c.patience, PATIENCE * fastest), frame_of(b, c))
+                flags |= said
+                if arrived < 0.0 or ball.v > 0.0:
+                    leg[5], leg[6] = arrived, ball.v
+                fastest = max(fastest, ball.v) if how == FLIES else 0.0
+                if said & (BAD_LAW | DIVERGED):
+                    leg[7], leg[8] = flags, (ball.v if said & BAD_LAW else 0.0)
+                    break
+                if how != FLIES:
+                    rest = legs[count]
+                    rest[0], rest[1], rest[2], rest[3], rest[4] = n, leg[4], 0.0, 0.0, ball.t
+                    rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
+                    rest[9], rest[10] = numbered(b), numbered(b)
+                    count += 1
+            leg[7] = flags
+            grounded = ball.t >= c.a.T
+            if grounded:
+                n, fastest = n + 1, 0.0
+                u, v = seen_at_strobe(ball, b, c)
+                b, ball = seen_from_strobe(u, v, c)
+        state[0], state[1], state[4], state[5] = n, ball.t, ball.i, fastest
+        state[2], state[3] = (u, v) if grounded else (ball.y, ball.v)
+        state[6], state[7] = 0.0 if grounded else 1.0, numbered(b)
+        return count
+
+    return compiled(record)
+
+
 @lru_cache(maxsize=64)
 def sampler_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
     """Compile ``sample(row, t, y, v, s, h, w)``: height h and velocity w at times s after flights began at (t, y, v).
@@ -108,20 +181,27 @@ def sampler_of(prepare: Callable[..., Any], kind: type) -> Callable[..., None]:
     return compiled(sample)
 
 
-def flown_legs(model: Oscillator, state: tuple[float, float], start: float, until: float, limit: int) -> Floats:
-    """Return all legs of a trajectory, shape (legs, 9), columns as named at the top of this file."""
-    law = model.reset
-    numbers, prepare = pointed_model(model, start), constants_of(model.harmonics, section_phase)
-    record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
-    now = np.array([0.0, 0.0, state[0] - model.sigma, state[1], 0.0, 0.0, 0.0])
-    tables = []
-    impacts = 0
+def flown_legs(model: Rig, state: tuple[float, float], start: float, until: float, limit: int) -> Floats:
+    """Return all legs of a trajectory, shape (legs, 11), columns as named at the top of this file."""
+    u, v = state
+    if model.walled:
+        rows, source = frames_rows(model, np.array([[*model.params.values(), start]], np.float64), "strict")
+        row, record, now = rows[0], walled_recorder(model.harmonics), np.array([0.0, 0.0, u, v, 0.0, 0.0, 0.0, 0.0])
+        given: tuple[Any, ...] = (until - start,)
+    else:
+        prepare = constants_of(model.harmonics, section_phase)
+        row, source = pointed_model(model.seen[0], start)
+        record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
+        now, given = np.array([0.0, 0.0, u - model.walls[0].position, v, 0.0, 0.0, 0.0]), (until - start, PATIENCE)
+    who = " or ".join(dict.fromkeys(f"the reset law {wall.law.name}" for wall in model.walls))
+    tables, impacts = [], 0
     while now[0] * model.period + now[1] < until - start:
-        legs = np.zeros((CAPACITY, 9))
-        count = call(record, numbers.row, now, legs, until - start, PATIENCE, who=f"the reset law {law.name}")
+        legs = np.zeros((CAPACITY, 11))
+        count = call(record, row, now, legs, *given, who=who)
         tables.append(legs[:count])
         bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
         if bad.size:
+            law = model.walls[int(bad[0, HIT])].law
             in_python(law.law)(float(bad[0, V_MINUS]), parameters(law.params))  # which says its line, if it raises
             raise UserCodeError(
                 f"the reset law {law.name} returned {bad[0, LEG]} for v_minus = {bad[0, V_MINUS]:g} "
@@ -136,6 +216,7 @@ def flown_legs(model: Oscillator, state: tuple[float, float], start: float, unti
             )
         if (legs[:count, FLAGS].astype(int) & DIVERGED).any():
             break
+    del source  # the laws' numbers lie in it: it had to live so long
     return np.concatenate(tables)
 
 

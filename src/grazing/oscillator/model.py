@@ -14,11 +14,12 @@ from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, serie
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import Reach, before_saddle, drive_of, natural, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
-from grazing.oscillator.rig import Rig
+from grazing.oscillator.rig import Place, Rig, places_of
 from grazing.oscillator.si import Base, checked_side, si_numbers
 from grazing.oscillator.spring import frequency_of, spring_of
+from grazing.oscillator.wall import NAMES, Wall
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter
+from grazing.parameter import Parameter, checked_text
 
 
 @dataclass(frozen=True, slots=True)
@@ -119,6 +120,8 @@ class Oscillator(Rig):
         given = dict(zip(("alpha", "k", "forcing", "reset"), args, strict=False)) | named
         kept = {"alpha", "k", "stiffness", "forcing", "mass", "base"}
         cls._refuse_beside(sorted(set(given) - kept) or (["reset"] if len(args) > 3 else []))
+        if missing := [name for name in ("alpha", "forcing") if name not in given]:
+            raise InputError(f"an oscillator between walls needs {listed(missing)} as well")
         return Walled(**({"k": None} | given), walls=walls)
 
     @staticmethod
@@ -229,7 +232,7 @@ class Oscillator(Rig):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate, with its units."""
-        own = name in COORDINATES and name not in self.reset.params
+        own = checked_text(name) in COORDINATES and name not in self.reset.params
         known = COORDINATES[name] if own else describe_parameter(name)
         return known if self.mass is not None else replace(known, units="1")
 
@@ -268,7 +271,7 @@ class Oscillator(Rig):
             "alpha": f.omega, "k": f.omega, "omega": f.omega, "t0": 0.5 * self.period,
             "sigma": natural_size(self.alpha, self.period, push), "V": drive, "trigger": drive,
         }  # fmt: skip
-        return known.get(name, push if describe_parameter(name).units == "N/kg" else 1.0)
+        return known.get(checked_text(name), push if describe_parameter(name).units == "N/kg" else 1.0)
 
     @property
     def params(self) -> Mapping[str, float]:
@@ -276,9 +279,24 @@ class Oscillator(Rig):
         return {**self._flight_params(), **self.reset.params}
 
     @property
-    def harmonics(self) -> int:
+    def harmonics(self) -> int:  # type: ignore[override]  # as many as the forcing has
         """Number of harmonics of the forcing."""
         return len(self.forcing.cos)
+
+    @property
+    def walls(self) -> tuple[Wall, ...]:  # type: ignore[override]  # its wall is this number and the law
+        """The one wall, below the ball and at rest."""
+        return (Wall(self.sigma, self.reset, "below", None, NAMES[0]),)
+
+    @property
+    def seen(self) -> tuple[Oscillator, ...]:  # type: ignore[override]
+        """What the wall sees: this oscillator."""
+        return (self,)
+
+    @property
+    def places(self) -> tuple[Place, ...]:  # type: ignore[override]
+        """Where the numbers of the wall stand in a row of :attr:`params`."""
+        return places_of(self.walls, self.forcing)
 
     def replace(self, **changes: float) -> Oscillator:
         """Return the model with other parameter values.
@@ -317,15 +335,16 @@ def checked_phase(model: Any, phase: Any) -> float:
     return time
 
 
-def checked_model(model: Any) -> None:
-    """Raise InputError for anything that is not an oscillator."""
-    if hasattr(model, "walls"):
+def checked_model(model: Any) -> Oscillator:
+    """Return an oscillator over one wall at rest, or raise InputError."""
+    if isinstance(model, Rig) and model.walled:
         raise InputError(
             f"model is {shown(model)}; this is for an oscillator with one wall below it, at rest. Orbits, branches "
             "and windows of others: gz.periodic_orbits and gz.continuation of their maps, gz.windows"
         )
     if not isinstance(model, Oscillator):
         raise InputError(f"model is {shown(model)}; give an oscillator, such as gz.pinball() or gz.Oscillator(...)")
+    return model
 
 
 def pinball(

@@ -27,6 +27,7 @@ from grazing.oscillator.legs import (
 )  # fmt: skip
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.reach import drive_of
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import frequency_of
 from grazing.oscillator.walled import Walled
 from grazing.oscillator.walled_trajectory import walled_trajectory
@@ -39,7 +40,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import parameters, real, whole
+from grazing.parameter import in_order, parameters, real, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -63,7 +64,7 @@ class Follows(Protocol):
 
 
 def trajectory(
-    model: Oscillator | Walled | System | Follows,
+    model: Rig | System | Follows,
     state: ArrayLike,
     start: float = 0.0,
     until: float = 50.0,
@@ -116,7 +117,7 @@ def trajectory(
     """
     import xarray as xr
 
-    if not isinstance(model, Walled | System | Follows):
+    if not isinstance(model, Rig | System | Follows):
         checked_model(model)
     start = real(start, "start", "a finite time is allowed")
     until = real(until, "until", "a finite time is allowed")
@@ -131,8 +132,8 @@ def trajectory(
     _refuse_too_much(model, (until - start) / model.period * samples, samples)
     if isinstance(model, Walled):
         return walled_trajectory(model, (u, v), start, until, samples)
+    given = model = model.seen[0]
     refuse_inside(u, model)
-    given = model
     model, legs = _flown(model, (u, v), start, until)
     times, us, vs = _sampled(model, legs, start, until, samples)
     ends = np.array([_instants(leg, start, model.period)[1] for leg in legs])
@@ -180,7 +181,7 @@ def _flown(model: Oscillator, state: tuple[float, float], start: float, until: f
     return model, flown_legs(model, state, start, until, MAX_IMPACTS)
 
 
-def _refuse_too_much(model: Oscillator | Walled, points: float, samples: int) -> None:
+def _refuse_too_much(model: Rig, points: float, samples: int) -> None:
     if points > MAX_POINTS:
         raise InputError(
             f"{points:.3g} points are more than {MAX_POINTS:.3g}; choose an earlier end or fewer samples per period, "
@@ -195,7 +196,7 @@ def _refuse_too_much(model: Oscillator | Walled, points: float, samples: int) ->
     refuse_swings(model)
 
 
-def refuse_swings(model: Oscillator | Walled) -> None:
+def refuse_swings(model: Rig) -> None:
     """Raise InputError for a free ball that swings more often in a period than can be followed."""
     q2, spread, l1, _l2 = roots(parameters(model.params))
     if model.period > MAX_SWINGS * piece_of(q2, spread, l1, model.period):
@@ -212,7 +213,7 @@ def checked_state(state: ArrayLike, model: Oscillator) -> tuple[float, float]:
 def two_numbers(state: ArrayLike) -> tuple[float, float]:
     """Return (u, v) as floats, or raise InputError."""
     try:
-        values = np.asarray(state, dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
+        values = np.asarray(in_order(state), dtype=object).ravel().tolist() if len(state) == 2 else []  # type: ignore[arg-type]
     except Exception:  # of whatever object was given
         values = []
     if len(values) != 2:

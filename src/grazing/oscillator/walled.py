@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from math import pi
-from typing import Any, NamedTuple
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,37 +17,14 @@ from grazing.oscillator.forcing import Forcing, series_said
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model, parameter_units
 from grazing.oscillator.reach import Reach
-from grazing.oscillator.rig import Rig
+from grazing.oscillator.rig import HEAD, Place, Rig, places_of
 from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
 from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, parameter_tuple, spread
+from grazing.parameter import Parameter, checked_text, spread
 
 Floats = NDArray[np.float64]
-#: Numbers in front of the harmonics: alpha, k, omega, t0, offset.
-HEAD = 5
-#: Places in a period, times the number of harmonics, at which the room between two walls is measured.
-PLACES = 64
-
-
-class Place(NamedTuple):
-    """Where the numbers of a wall stand in a row of parameters: its position, motion (a cosine first) and law."""
-
-    sigma: int
-    motion: slice
-    law: slice
-
-
-def places_of(walls: Sequence[Wall], forcing: Forcing) -> tuple[Place, ...]:
-    """Return where the numbers of each wall stand in a row of :attr:`Walled.params`."""
-    found, at = [], HEAD + 2 * len(forcing.cos)
-    for one in walls:
-        moving = 0 if one.motion is None else 2 * len(harmonics_of(one.motion, forcing)[0])
-        law = at + 1 + moving
-        found.append(Place(at, slice(at + 1, law), slice(law, law + len(one.law.params))))
-        at = law + len(one.law.params)
-    return tuple(found)
 
 
 @dataclass(frozen=True, slots=True)
@@ -90,6 +66,9 @@ class Walled(Rig):
     0.5
     """
 
+    walled: ClassVar[bool] = True
+    offset_name = "offset"
+
     alpha: float
     k: float
     forcing: Forcing
@@ -97,6 +76,8 @@ class Walled(Rig):
     stiffness: float | None = field(default=None, kw_only=True)
     mass: float | None = field(default=None, kw_only=True, repr=False)
     base: Base | None = field(default=None, kw_only=True, repr=False)
+    #: The oscillator that each wall sees.
+    seen: tuple[Oscillator, ...] = field(init=False, repr=False, compare=False)
     #: Where the numbers of each wall stand in a row of :attr:`params`; the number of harmonics of force and motions.
     places: tuple[Place, ...] = field(init=False, repr=False, compare=False)
     harmonics: int = field(init=False, repr=False, compare=False)
@@ -125,8 +106,8 @@ class Walled(Rig):
         object.__setattr__(self, "places", places)
         object.__setattr__(self, "harmonics", max(len(self.forcing.cos), *moving))
         row = list(self.params.values())
-        for j in range(len(walls)):
-            self.seen_from(j, row)  # checks ranges, and the law at speeds of this model
+        # checks ranges, and the laws at speeds of this model
+        object.__setattr__(self, "seen", tuple(self._seen_from(j, row) for j in range(len(walls))))
         room = float(self.rooms(np.array([row]))[0])
         if not room > 0.0:
             raise InputError(
@@ -161,16 +142,6 @@ class Walled(Rig):
         """What results with units say of the stops: u is x, and each wall is where it is."""
         return None if self.mass is None else "walls"
 
-    @property
-    def names(self) -> str:
-        """The names of the walls, from below."""
-        return "".join(str(one.name) for one in self.walls)
-
-    @property
-    def moves(self) -> bool:
-        """Whether a wall moves."""
-        return any(one.motion is not None for one in self.walls)
-
     def replace(self, **changes: float) -> Walled:
         """Return the model with other parameter values; names as in :attr:`params`."""
         new = self.changed(changes)
@@ -191,7 +162,7 @@ class Walled(Rig):
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or a coordinate."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         known = COORDINATES[last] if last in COORDINATES and not front else describe_parameter(last)
         if front:
             of = "motion" if last.startswith(("cos", "sin")) else "wall"
@@ -206,9 +177,9 @@ class Walled(Rig):
 
     def unit_of(self, name: str) -> float:
         """Return the model's own unit of a parameter, > 0: what counts as a step where the parameter itself is 0."""
-        front, _dot, last = name.rpartition(".")
+        front, _dot, last = checked_text(name).rpartition(".")
         moving = bool(front) and last.startswith(("cos", "sin"))
-        seen = self.seen_from(self.names.index(front) if front else 0)
+        seen = self.seen[self.names.index(front) if front else 0]
         unit = seen.unit_of("sigma" if moving else last)
         room = float(self.rooms(np.array([list(self.params.values())]))[0])
         return min(unit, 0.5 * room) if moving or last == "sigma" else unit
@@ -249,12 +220,9 @@ class Walled(Rig):
         sign (f - z'' - alpha z' - k^2 z) and the wall lies at rest at sign sigma.
         """
         place, sign, H = self.places[j], self.walls[j].sign, self.harmonics
-        law = rows[:, place.law]
-        found = np.zeros((len(rows), HEAD + 2 * H + 1 + law.shape[1]))
-        found[:, :4] = rows[:, :4]
-        found[:, 4] = sign * rows[:, 4]
-        own = rows[:, HEAD : HEAD + 2 * len(self.forcing.cos)]
-        found[:, HEAD : HEAD + own.shape[1]] = own
+        forces, stop = 2 * len(self.forcing.cos), HEAD + 2 * H
+        found = np.zeros((len(rows), stop + 1 + place.law.stop - place.law.start))
+        found[:, : HEAD + forces] = rows[:, : HEAD + forces]
         if self.walls[j].motion is not None:
             cosines, sines = rows[:, place.motion][:, ::2], rows[:, place.motion][:, 1::2]
             W = rows[:, 2:3] * np.arange(1, cosines.shape[1] + 1)
@@ -263,21 +231,14 @@ class Walled(Rig):
             moved = slice(HEAD, HEAD + 2 * cosines.shape[1], 2), slice(HEAD + 1, HEAD + 1 + 2 * cosines.shape[1], 2)
             found[:, moved[0]] += lift * cosines - drag * sines
             found[:, moved[1]] += lift * sines + drag * cosines
-        found[:, HEAD : HEAD + 2 * H] *= sign
-        found[:, HEAD + 2 * H] = sign * rows[:, place.sigma]
-        found[:, HEAD + 2 * H + 1 :] = law
+        found[:, HEAD - 1 : stop] *= sign
+        found[:, stop] = sign * rows[:, place.sigma]
+        found[:, stop + 1 :] = rows[:, place.law]
         return found + 0.0  # no -0
 
-    def kind_seen_from(self, j: int) -> type:
-        """Return the named tuple of a row of :meth:`rows_seen_from`, and of a phase behind it."""
-        waves = [f"{name}{i}" for i in range(1, self.harmonics + 1) for name in ("cos", "sin")]
-        head = ("alpha", spring_of(self)[0], "omega", "t0", "offset", *waves, "sigma")
-        return parameter_tuple((*head, *self.walls[j].law.params, "phase"))
-
-    def seen_from(self, j: int, row: Sequence[float] | None = None) -> Oscillator:
-        """Return the oscillator that wall j sees, at this model's parameters or at a row of others."""
-        values = list(self.params.values()) if row is None else list(row)
-        found = self.rows_seen_from(j, np.array([values], np.float64))[0].tolist()
+    def _seen_from(self, j: int, row: list[float]) -> Oscillator:
+        """Return the oscillator that wall j sees at a row of :attr:`params`."""
+        found = self.rows_seen_from(j, np.array([row], np.float64))[0].tolist()
         stop = HEAD + 2 * self.harmonics
         law = self.walls[j].law
         forcing = Forcing(found[2], found[3], found[4], cos=found[HEAD:stop:2], sin=found[HEAD + 1 : stop : 2])
@@ -285,49 +246,10 @@ class Walled(Rig):
         spring = {spring_of(self)[0]: found[1]}
         return Oscillator(found[0], forcing=forcing, reset=law, sigma=found[stop], **spring)
 
-    def waves(self, j: int, rows: Floats) -> Floats:
-        """Return the motion of wall j as harmonics 1, 2, ..., cosine and sine: shape (rows, 2 harmonics)."""
-        found = np.zeros((len(rows), 2 * self.harmonics))
-        motion = rows[:, self.places[j].motion]
-        found[:, : motion.shape[1]] = motion
-        return found
-
-    def rooms(self, rows: Floats) -> Floats:
-        """Return the least distance between two walls in a period, or less: shape (rows,); infinity for one wall."""
-        if len(self.walls) < 2:
-            return np.full(len(rows), np.inf)
-        low, high = self.places
-        still = rows[:, high.sigma] - rows[:, low.sigma]
-        between = self.waves(1, rows) - self.waves(0, rows) if self.moves else np.zeros(0)
-        if not between.any():
-            return np.asarray(still)
-        size = np.hypot(between[:, ::2], between[:, 1::2])
-        # between two places the distance differs from the nearer one's by half a step's second derivative at most
-        j = np.arange(1, self.harmonics + 1)
-        angles = np.arange(PLACES * self.harmonics) * (2.0 * pi / (PLACES * self.harmonics))
-        seen = between[:, ::2] @ np.cos(np.outer(j, angles)) + between[:, 1::2] @ np.sin(np.outer(j, angles))
-        bend = 0.125 * (angles[1] ** 2) * (size * j * j).sum(axis=1)
-        return np.asarray(still + np.maximum(seen.min(axis=1) - bend, -size.sum(axis=1)))
-
     def reach_at(self, row: Sequence[float]) -> tuple[Reach, ...]:
         """Return how far and how fast the ball goes as each wall sees it, at a row of parameters."""
         rows = np.array([row], np.float64)
-        return tuple(
-            self.seen_from(j).reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j in range(len(self.walls))
-        )
-
-    def places_at(self, t: Floats) -> tuple[Floats, Floats]:
-        """Return positions and velocities of the walls at times: shape (walls, times)."""
-        f, rows = self.forcing, np.array([list(self.params.values())])
-        j = np.arange(1, self.harmonics + 1)
-        angle = np.outer(f.omega * (t + f.t0), j)
-        cosine, sine = np.cos(angle), np.sin(angle)
-        at, speed = [], []
-        for i, wall in enumerate(self.walls):
-            wave = self.waves(i, rows)[0]
-            at.append(wall.position + cosine @ wave[::2] + sine @ wave[1::2])
-            speed.append(cosine @ (j * f.omega * wave[1::2]) - sine @ (j * f.omega * wave[::2]))
-        return np.array(at), np.array(speed)
+        return tuple(one.reach_at(self.rows_seen_from(j, rows)[0].tolist()) for j, one in enumerate(self.seen))
 
     def refuse_inside(self, u: float, t: float) -> None:
         """Raise InputError for a ball inside a wall at time t."""

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import tempfile
-from contextlib import suppress
 from pathlib import Path
 
 from grazing.outcome import InputError
 from grazing.paths import path_of
-from grazing.writing import left_in, whole_file
+from grazing.writing import remove_left, whole_file
 
 
 def write(path: Path, data: bytes | str) -> Path:
@@ -46,9 +45,7 @@ def folder(path: str | Path) -> Path:
     place = path_of(path)
     try:
         place.mkdir(parents=True, exist_ok=True)
-        for part in left_in(place):
-            with suppress(OSError):
-                part.unlink()
+        remove_left(place)
         with tempfile.TemporaryFile(dir=place):
             pass
     except OSError as error:

@@ -11,6 +11,7 @@ from grazing.plot.density import density
 from grazing.plot.graph import graph
 from grazing.plot.history import history
 from grazing.plot.ladder import ladder
+from grazing.plot.launches import launches
 from grazing.plot.locus import locus
 from grazing.plot.lyapunov import lyapunov
 from grazing.plot.manifold import manifolds
@@ -29,7 +30,7 @@ from grazing.plot.zdm import zdm
 
 __all__ = [
     "animate", "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "figure",
-    "graph", "graph_of", "history", "ladder", "locus", "lyapunov", "manifolds", "map_graph", "orbit_diagram", "panels",
-    "period_colour", "provenance", "provenance_of", "rendered", "response", "save", "spectrum", "styled", "table",
-    "trajectory", "tree", "validity", "windows", "zdm",
+    "graph", "graph_of", "history", "ladder", "launches", "locus", "lyapunov", "manifolds", "map_graph",
+    "orbit_diagram", "panels", "period_colour", "provenance", "provenance_of", "rendered", "response", "save",
+    "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows", "zdm",
 ]  # fmt: skip

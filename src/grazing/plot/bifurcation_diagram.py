@@ -12,6 +12,7 @@ from grazing.outcome import InputError
 from grazing.plot.branch import branch, shade_of, special_entries
 from grazing.plot.classes import blended, legend_extended, patch
 from grazing.plot.drawn import inline
+from grazing.plot.expected import choice
 from grazing.plot.orbit_diagram import ends_of, orbit_diagram
 from grazing.plot.provenance import provenance_of
 from grazing.plot.spread import spread
@@ -71,9 +72,8 @@ def bifurcation_diagram(
         )
     name = str(result["period"].dims[0])
     table = branches_of(result, name)
-    chosen = json.loads(table.attrs["coordinate_names"])[0] if coordinate is None else coordinate
-    if chosen not in result:
-        raise InputError(f"coordinate {chosen!r}; allowed are {', '.join(json.loads(table.attrs['coordinate_names']))}")
+    known = json.loads(table.attrs["coordinate_names"])
+    chosen = choice(known[0] if coordinate is None else coordinate, "coordinate", known)
     with styled():
         ax = axes(ax, DOUBLE, 95.0)
         scan = orbit_diagram(result, ax, chosen, by=by, size=1.0, legend=legend)

@@ -14,6 +14,7 @@ from grazing.outcome import InputError
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.map_graph import Graph, graph_of, map_graph
+from grazing.plot.options import passed_on
 from grazing.plot.provenance import provenance_of
 from grazing.plot.style import INK, axes, mathematics, period_colour, root, styled
 from grazing.studies.cobweb import places_of
@@ -48,9 +49,7 @@ def cobweb(
     """
     graph, x = _drawn(P, points) if isinstance(P, Map) else _stored(P, points)
     closed = isinstance(P, Map) if closed is None else closed
-    low, high = float(graph.starts[0]), float(graph.starts[-1])
-    if not isfinite(high - low):
-        raise InputError("the points of the orbit cannot be drawn: they are too large")
+    low, high = _ends(graph.starts)
     path = np.append(x, x[0]) if closed else x
     corners = np.column_stack([np.repeat(path, 2)[:-1], np.repeat(path, 2)[1:]])
     name = graph.coordinate
@@ -80,10 +79,21 @@ def _drawn(P: Map, points: ArrayLike | None) -> tuple[Graph, NDArray[np.float64]
     """Return the graph of a map around given points, and the points."""
     if P.dimension != 1:
         raise InputError(f"{P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")
-    x = np.asarray([] if points is None else points, dtype=np.float64).reshape(-1)
+    with passed_on("the points of an orbit are no numbers"):
+        x = np.asarray([] if points is None else points, dtype=np.float64).reshape(-1)
     if not x.size:
         raise InputError("a cobweb of a map needs points; give an orbit, such as P.iterate(x, n)")
-    return graph_of(P, places_of(x)), x
+    starts = places_of(x)
+    _ends(starts)
+    return graph_of(P, starts), x
+
+
+def _ends(starts: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the ends of the graph, or refuse an orbit that no axis can hold."""
+    low, high = float(starts[0]), float(starts[-1])
+    if not isfinite(high - low):
+        raise InputError("the points of the orbit cannot be drawn: they are too large")
+    return low, high
 
 
 def _stored(result: Any, points: ArrayLike | None) -> tuple[Graph, NDArray[np.float64]]:

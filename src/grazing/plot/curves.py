@@ -62,7 +62,7 @@ def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tu
         if name not in found:
             known = ", ".join(map(str, found.variables))
             raise InputError(f"curves have {known}, but no {name}; give {wanted}")
-    x, y = (_in_units_of(result, found, side) for side in (first, second))
+    x, y = (in_units_of(result, found, side) for side in (first, second))
     if "label" in found:
         for k, name in enumerate(found["label"].values):
             yield str(name), "", x[k], y[k]
@@ -94,8 +94,8 @@ def _placed(branch: xr.Dataset, plane: set[str]) -> xr.Dataset:
     return branch.assign({other: ("point", np.full(branch.sizes["point"], known[other]), {"units": units})})
 
 
-def _in_units_of(result: xr.Dataset, found: xr.Dataset, side: str) -> Floats:
-    """Return what a curve says of an axis, in the axis' own units."""
+def in_units_of(result: xr.Dataset, found: xr.Dataset, side: str) -> Floats:
+    """Return what a curve, or points, say of an axis, in the axis' own units."""
     old, unit = (one[side].attrs.get("units") for one in (found, result))
     if unit in (None, "1", old):
         return np.asarray(found[side].values, np.float64)

@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from matplotlib.figure import Figure
 
 from grazing.measured import measured
+from grazing.plot.options import bound
 
 Draw = TypeVar("Draw", bound=Callable[..., Any])
 
@@ -58,14 +59,18 @@ class Drawn(dict[str, Any]):
 def inline(draw: Draw) -> Draw:
     """Let a function that returns a dict of artists return it as :class:`Drawn`, and draw a rig as it is measured.
 
+    Its options are checked before, see :mod:`grazing.plot.options`.
+
     A ``legend`` that may be None is one in a figure of its own only: axes that are given have what their owner puts
     there. Branches and manifolds go on with a legend that is there.
     """
-    chosen = signature(draw).parameters.get("legend")
+    call = signature(draw)
+    chosen = call.parameters.get("legend")
     alone = chosen is not None and chosen.default is None
 
     @wraps(draw)
     def shown(*args: Any, **more: Any) -> Drawn:
+        args, more = bound(call, args, more)
         if args:
             args = (measured(args[0]), *args[1:])
         elif "result" in more:

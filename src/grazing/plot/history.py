@@ -42,7 +42,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
     """
     expect(result, "trajectory", {"u": ("t",), "v": ("t",), "impact_time": ("impact",)}, "history")
     of = str(result.attrs.get("history_of", "u")) if of is None else of
-    if of not in ("u", "v"):
+    if not isinstance(of, str) or of not in ("u", "v"):
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     with styled():
         ax = axes(ax, DOUBLE, 50.0)

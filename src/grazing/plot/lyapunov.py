@@ -15,7 +15,7 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, name_single, ordered
-from grazing.plot.style import DOUBLE, INK, axes, root, styled, symbol
+from grazing.plot.style import DOUBLE, INK, axes, root, styled, symbol, unit_of
 
 Floats = NDArray[np.float64]
 
@@ -45,8 +45,8 @@ def lyapunov(
     per : {"step", "time"}
         Whether the exponents are those per step of the map or per unit of time.
     positive : float
-        Where the greatest exponent of any start is greater than this the diagram is shaded: chaos. An exponent that
-        is zero in truth is found with an error that falls as the number of steps grows.
+        Where the greatest exponent of any start, per step, is greater than this the diagram is shaded: chaos. An
+        exponent that is zero in truth is found with an error that falls as the number of steps grows.
     legend : bool, optional
         Whether one stands beside the axes; None for one in a figure of its own only.
 
@@ -62,14 +62,16 @@ def lyapunov(
         For another kind of result, or ``per``.
     """
     variable = "exponent" if choice(per, "per", ("step", "time")) == "step" else "exponent_per_time"
-    name, _start, _index = expect(result, "lyapunov", {variable: ("<parameter>", "start", "index")})
+    needed = dict.fromkeys((variable, "exponent"), ("<parameter>", "start", "index"))
+    name, _start, _index = expect(result, "lyapunov", needed)
     values, where = ordered(result[name].values)
     exponent = np.asarray(result[variable].values, np.float64)[where]
     starts, count = exponent.shape[1:]
     with styled():
         ax = axes(ax, DOUBLE, 70.0)
         edges = edges_of(values, ax.xaxis)
-        known = np.where(np.isnan(exponent[:, :, 0]), -np.inf, exponent[:, :, 0]).max(axis=1)
+        greatest = np.asarray(result["exponent"].values, np.float64)[where, :, 0]
+        known = np.where(np.isnan(greatest), -np.inf, greatest).max(axis=1)
         bands = [ax.axvspan(edges[a], edges[b], color=CHAOS_SHADE, lw=0, zorder=0) for a, b in runs(known > positive)]
         zero = ax.axhline(0.0, color="#595959", lw=0.6, zorder=1.5)
         lines = _lines(ax, values, exponent)
@@ -78,7 +80,8 @@ def lyapunov(
         name_single(ax.xaxis, values)
         ax.set_xlabel(symbol(result[name]))
         which = "Lyapunov exponent" if count == 1 else "Lyapunov exponents"
-        ax.set_ylabel(f"{which} per {'step' if per == 'step' else 'unit of time'}")
+        unit = unit_of(result[variable])
+        ax.set_ylabel(f"{which} per {'step' if per == 'step' else 'unit of time'}{unit}")
         beside = None
         entries = _entries(count, starts, bool(bands), infinite)
         if legend and entries:

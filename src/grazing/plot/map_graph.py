@@ -8,7 +8,10 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from grazing.outcome import InputError
 from grazing.plot.drawn import inline
+from grazing.plot.expected import choice
+from grazing.plot.options import passed_on
 from grazing.plot.style import INK, axes, mathematics, root, styled
 from grazing.studies.graph import Graph as Graph
 from grazing.studies.graph import graph_of as graph_of
@@ -37,19 +40,21 @@ def map_graph(
     dict
         ``pieces``, a list of lines, and ``figure``.
     """
-    shown = coordinate or graph.coordinate
-    column = graph.images[:, graph.coordinates.index(shown)]
+    if not isinstance(graph, Graph):
+        raise InputError(f"plot.map_graph cannot draw a {type(graph).__name__}; allowed is what plot.graph_of returns")
+    seen = choice(graph.coordinate if coordinate is None else coordinate, "coordinate", graph.coordinates)
+    column = graph.images[:, graph.coordinates.index(seen)]
     ends = np.flatnonzero(np.diff(graph.letters)) + 1
     legend = line.pop("label", None)
     pieces: list[Line2D] = []
-    with styled():
+    with styled(), passed_on("a line of the graph"):
         ax = axes(ax)
         for x, y in zip(np.split(graph.starts, ends), np.split(column, ends), strict=True):
             pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **line)
             if x.size == 1:  # a line of one point is unseen
                 pieces[-1].set(marker="o", markersize=pieces[-1].get_linewidth(), markeredgewidth=0.0)
         ax.set_xlabel(at_step(graph.coordinate, "n"))
-        ax.set_ylabel(at_step(shown, "n+1"))
+        ax.set_ylabel(at_step(seen, "n+1"))
     return {"pieces": pieces, "figure": root(ax)}
 
 

@@ -8,10 +8,12 @@ import numpy as np
 from matplotlib.colors import LogNorm, Normalize
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 
 #: Steps of a histogram-equalised scale at most: finer ones than a screen has.
 LEVELS = 1024
+#: Norms that have names.
+NORMS = ("eqhist", "log", "linear")
 
 
 class EqHist(Normalize):
@@ -73,15 +75,15 @@ def norm_of(norm: str | Normalize, data: NDArray[np.float64]) -> Normalize:
     """
     if isinstance(norm, Normalize):
         return norm
+    if not isinstance(norm, str) or norm not in NORMS:
+        raise InputError(f"norm is {shown(norm)}; allowed are {', '.join(map(repr, NORMS))} and a matplotlib Normalize")
     if norm == "eqhist":
         return EqHist(data)
     positive = data[np.isfinite(data) & (data > 0.0)]
     low, high = (float(positive.min()), float(positive.max())) if positive.size else (1.0, 1.0)
     if norm == "log":
         return LogNorm(low, high if high > low else 10.0 * low)
-    if norm == "linear":
-        return Normalize(0.0, high)
-    raise InputError(f"norm is {norm!r}; allowed are 'eqhist', 'log', 'linear' and a matplotlib Normalize")
+    return Normalize(0.0, high)
 
 
 def round_ticks(norm: Normalize, apart: float = 0.07) -> list[float]:

@@ -71,8 +71,9 @@ def orbit_diagram(
     choice(by, "by", ("period", "word"))
     needed = {name: ("<parameter>", "start") for name in dict.fromkeys(("period", by))}
     expect(result, "orbit_diagram", needed)
-    name, _start, _n = result[_first(result, coordinate)].dims
-    shown = _first(result, coordinate)
+    seen = [str(key) for key, variable in result.data_vars.items() if variable.ndim == 3]
+    shown = choice(seen[0] if coordinate is None and seen else coordinate, "coordinate", seen)
+    name, _start, _n = result[shown].dims
     values = np.asarray(result[name].values, dtype=np.float64)
     y = np.asarray(result[shown].values)
     period = np.asarray(result["period"].values)
@@ -167,10 +168,6 @@ def _by_word(
     chosen = {"": grey} if grey.any() else {}
     chosen |= {word: codes == i for i, word in enumerate(words, 1)}
     return chosen, {"": CHAOS} | {word: colours[i] for i, word in enumerate(words, 1)}, entries
-
-
-def _first(result: Any, coordinate: str | None) -> str:
-    return coordinate or next(str(name) for name, variable in result.data_vars.items() if variable.ndim == 3)
 
 
 def _thinned(values: NDArray[Any], y: NDArray[Any], chosen: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:

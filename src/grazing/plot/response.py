@@ -9,12 +9,11 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from grazing.outcome import InputError, shown
 from grazing.plot.bifurcation_diagram import branch_part
 from grazing.plot.branch import DASHES, branch, kinds, special_entries
 from grazing.plot.classes import blended, legend_beside, patch
 from grazing.plot.drawn import inline
-from grazing.plot.expected import expect
+from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.spread import spread
 from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, styled, symbol
@@ -63,8 +62,7 @@ def response(
     name, _run = expect(result, "response", {"amplitude": ("<parameter>", "run"), "branch_piece": ("branch_point",)})
     known = [str(key) for key in result.data_vars if f"special_{key}" in result and f"branch_{key}" in result]
     readings = [key for key in known if result[key].dims == (name, "run") and key != "period"]
-    if by not in readings:
-        raise InputError(f"by = {shown(by)}; allowed are {', '.join(readings)}")
+    choice(by, "by", readings)
     table = branch_part(result, name, [by])
     table[by] = table[by].expand_dims("one", -1)
     values, runs = result[name].values, result["run"].values.tolist()

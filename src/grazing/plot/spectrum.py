@@ -8,10 +8,8 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 
-from grazing.outcome import InputError, shown
-from grazing.parameter import real
 from grazing.plot.drawn import inline
-from grazing.plot.expected import expect
+from grazing.plot.expected import choice, expect
 from grazing.plot.style import INK, axes, quantity, root, styled
 
 #: Decades below the strongest line that are shown.
@@ -48,17 +46,13 @@ def spectrum(
         ``lines`` (one line), ``figure``.
     """
     expect(result, "spectrum", {"amplitude": ("frequency",), "order": ("frequency",)})
-    if over not in ("frequency", "order"):
-        raise InputError(f"over = {shown(over)}; allowed are frequency and order")
-    end = None if until is None else real(until, "until", f"any positive {over} is allowed")
-    if end is not None and not end > 0.0:
-        raise InputError(f"until = {end:g}; any positive {over} is allowed")
+    choice(over, "over", ("frequency", "order"))
     with styled():
         ax = axes(ax)
         x, y = np.asarray(result[over].values), np.asarray(result["amplitude"].values)
         top = float(y[1:].max()) or 1.0
         (lines,) = ax.semilogy(x[1:], np.maximum(y[1:], top * 10.0**-DECADES), color=colour, lw=0.8)
-        ax.set_xlim(0.0, last_of(result) * x[-1] if end is None else end)
+        ax.set_xlim(0.0, last_of(result) * x[-1] if until is None else until)
         ax.set_ylim(top * 10.0**-DECADES, 2.0 * top)
         ax.set_xlabel(quantity(result[over]))
         ax.set_ylabel(quantity(result["amplitude"]))

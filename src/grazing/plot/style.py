@@ -21,6 +21,7 @@ from matplotlib.mathtext import MathTextParser
 from grazing.outcome import InputError, in_one_line, shown
 from grazing.paths import path_of
 from grazing.plot.drawn import Inline
+from grazing.plot.options import checked, passed_on
 from grazing.writing import whole_file
 
 #: Widths in millimetres: one column and two columns of a journal page.
@@ -92,6 +93,7 @@ WALL = "#d9d9d9"
 GRAZE = "#b00020"
 
 
+@checked
 def period_colour(N: int) -> str:
     """Return the colour that period N always has; a grey for N < 1: no period was found.
 
@@ -120,8 +122,9 @@ def styled() -> Iterator[None]:
         yield
 
 
+@checked
 def figure(width: float = SINGLE, height: float = 62.0) -> Figure:
-    """Return an empty figure of a size in millimetres; it belongs to no window and no global list."""
+    """Return an empty figure of a size in millimetres, from 1 to 1200; it belongs to no window and no global list."""
     with styled():
         return Inline(figsize=(width / 25.4, height / 25.4), layout="constrained")
 
@@ -138,6 +141,7 @@ def root(ax: Axes) -> Figure:
     return found
 
 
+@checked
 def panels(
     width: float = SINGLE, height: float = 62.0, rows: int = 1, columns: int = 1, **grid: Any
 ) -> tuple[Figure, list[Axes]]:
@@ -146,12 +150,18 @@ def panels(
     Parameters
     ----------
     width, height : float
-        In millimetres.
+        In millimetres, from 1 to 1200.
     rows, columns : int
+        From 1 to 20.
     **grid
         Passed to ``Figure.subplots``, such as ``sharex=True`` or ``width_ratios=(3, 1)``.
+
+    Raises
+    ------
+    InputError
+        For a size or a number out of range, or what ``Figure.subplots`` does not take.
     """
-    with styled():
+    with styled(), passed_on("panels"):
         fig = figure(width, height)
         return fig, list(np.ravel(fig.subplots(rows, columns, squeeze=False, **grid)))
 

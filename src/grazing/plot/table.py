@@ -19,6 +19,8 @@ Floats = NDArray[np.float64]
 #: Height of a figure at most, as a share of its width, and the room around the objects as a share of their extent.
 TALL, ROOM = 1.6, 0.04
 WAY = "#0064a4"
+#: Points of the arrow of a plunger.
+LANE = 14.0
 #: How far a chord may be from the flight that it stands for, as a share of the extent, and chords between two points of
 #: a trajectory at most.
 FLAT, CHORDS = 5e-4, 1000
@@ -32,7 +34,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     ----------
     table : Table
         From :func:`grazing.table`. Objects that kick are red, drains are dashed, flippers where they are at the
-        end.
+        end; an arrow shows the plunger.
     flown : xarray.Dataset, optional
         Of :func:`grazing.trajectory` on this table: the way of the ball's centre, and the ball, to scale, where it
         begins and ends.
@@ -45,7 +47,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     -------
     dict
         ``objects``, lines by the objects' names, ``bodies``, what those that are closed are filled with, ``way``,
-        ``ball``, ``figure``.
+        ``ball``, ``plunger``, ``figure``.
 
     Raises
     ------
@@ -58,7 +60,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     >>> bumper = gz.disc("bumper", (1, 2), 0.5, gz.active(r=0.9, V=0.4))
     >>> T = gz.table([bumper, gz.drain("out", (-1, 0), (3, 0))], rho=0.1, tilt=0.3)
     >>> gz.plot.table(T, gz.trajectory(T, (1.1, 4.0, 0.0, 0.0), until=9.0))
-    <Drawn: figure, objects, bodies, way, ball>
+    <Drawn: figure, objects, bodies, way, ball, plunger>
     """
     if not hasattr(table, "outlines"):
         raise InputError(f"plot.table cannot draw a {type(table).__name__}; allowed is what gz.table([...]) returns")
@@ -68,6 +70,9 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         expect(flown, "trajectory", dict.fromkeys(("x", "y", "vx", "vy"), ("t",)), "table")
     lines = table.outlines(0.0 if flown is None else float(flown.t[-1]))
     x, y = (np.concatenate([line.points[:, i] for line in lines]) for i in (0, 1))
+    shot = table.plunger
+    if shot is not None:
+        x, y = np.append(x, shot.x), np.append(y, shot.y)
     if flown is not None:
         inside = flown.y.values >= y.min() - 0.5 * np.ptp(y)  # a ball may fall or fly on for ever
         inside &= (np.abs(flown.x.values - x.mean()) <= np.ptp(x)) & (flown.y.values <= y.max() + 0.5 * np.ptp(y))
@@ -76,7 +81,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     edge = ROOM * max(wide, high) + table.rho
     with styled():
         ax = axes(ax, SINGLE, SINGLE * min(max(high / wide, 0.4), TALL))
-        found, bodies, way = {}, {}, None
+        found, bodies, way, arrow = {}, {}, None, None
         ball: list[Artist] = []
         for line in lines:
             colour = GRAZE if line.kicks else INK
@@ -89,6 +94,10 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
                 behind = None if line.closed else {"fc": "white", "ec": "none", "pad": 0.6}
                 x0, y0 = line.label
                 ax.text(x0, y0, plain(line.name), ha="center", va="center", size=6, color=colour, bbox=behind, zorder=5)
+        if shot is not None:  # it pushes the ball from behind
+            tail = -LANE * np.cos(shot.angle), -LANE * np.sin(shot.angle)
+            kind = {"arrowstyle": "->", "color": GRAZE, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
+            arrow = ax.annotate("", (shot.x, shot.y), tail, textcoords="offset points", arrowprops=kind, zorder=3)
         if flown is not None:
             (way,) = ax.plot(*way_of(flown, table.gravity, FLAT * max(wide, high))[:2], color=WAY, lw=0.7, zorder=4)
             hits = flown["before"].values
@@ -104,7 +113,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         ax.set_ylim(y.min() - edge, y.max() + edge)
         ax.set_xlabel("$x$")
         ax.set_ylabel("$y$")
-    return {"figure": root(ax), "objects": found, "bodies": bodies, "way": way, "ball": ball}
+    return {"figure": root(ax), "objects": found, "bodies": bodies, "way": way, "ball": ball, "plunger": arrow}
 
 
 def way_of(flown: Any, gravity: float, off: float) -> tuple[Floats, Floats, Floats]:

@@ -5,16 +5,24 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
+import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from grazing.measured import sign_of
+from grazing.measured import of_table, sign_of
+from grazing.outcome import InputError, shown
+from grazing.plot.curves import in_units_of
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
+from grazing.plot.table import table
 
 Floats = NDArray[np.float64]
+#: What a ball at rest moves less than, in shares of its place: rounding.
+STILL = 1e-12
+#: Of a state of a rig.
+UNITS = {"u": "m", "v": "m/s"}
 
 
 @inline
@@ -30,7 +38,7 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
     colour : str
         Of the flights.
     strobe : array_like, shape (n, 2), optional
-        States (u, v) of the model at the section, drawn as squares.
+        States (u, v) of the model at the section, in its own units, drawn as squares.
 
     Returns
     -------
@@ -39,6 +47,7 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         ``figure``.
     """
     expect(result, "trajectory", {"u": ("t",), "v": ("t",)})
+    states = None if strobe is None else _states(strobe)
     with styled():
         ax = axes(ax)
         walls = walls_of(result)
@@ -55,9 +64,9 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
             ax.plot(at, before, "o", ms=3.2, color=GRAZE, zorder=5)
             ax.plot(at, after, "o", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
         dots = None
-        if strobe is not None:
-            points = sign_of(result) * np.atleast_2d(strobe)
-            (dots,) = ax.plot(points[:, 0], points[:, 1], "s", ms=3.6, mfc="white", mec=colour, mew=0.9, zorder=6)
+        if states is not None:
+            x, y = (sign_of(result) * in_units_of(result, states, name) for name in ("u", "v"))
+            (dots,) = ax.plot(x, y, "s", ms=3.6, mfc="white", mec=colour, mew=0.9, zorder=6)
         low, high = float(min(v.min(), 0.0)), float(max(v.max(), 0.0))
         ends = limits(u, walls)
         wall = None
@@ -69,10 +78,23 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
                 ax.axvspan(outer, near, color=WALL, alpha=0.4, lw=0, zorder=0)
         ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
         ax.set_xlim(*ends)
-        ax.set_ylim(low - 0.08 * (high - low), high + 0.08 * (high - low))
+        room = 0.08 * ((high - low) or 1.0)  # a ball at rest has no scale
+        ax.set_ylim(low - room, high + room)
         ax.set_xlabel(quantity(result["u"]))
         ax.set_ylabel(quantity(result["v"]))
     return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
+
+
+def _states(given: Any) -> xr.Dataset:
+    """Return states (u, v) of a model in its own units, or raise InputError."""
+    try:
+        points = np.atleast_2d(np.asarray(given, np.float64))
+    except (TypeError, ValueError):
+        points = np.empty((0, 0))
+    if points.ndim != 2 or points.shape[1] != 2:
+        raise InputError(f"strobe is {shown(given)}; give states (u, v), an array of shape (n, 2)")
+    columns = zip(("u", "v"), points.T, strict=True)
+    return xr.Dataset({name: ("state", x, {"units": UNITS[name]}) for name, x in columns})
 
 
 def walls_of(result: Any) -> list[tuple[Floats, bool]]:
@@ -98,5 +120,20 @@ def limits(u: Floats, walls: list[tuple[Floats, bool]]) -> tuple[float, float]:
     """Return the ends of an axis of positions: a little beyond the motion, and into the walls."""
     low = min([float(u.min()), *(float(at.min()) for at, below in walls if below)])
     high = max([float(u.max()), *(float(at.max()) for at, below in walls if not below)])
-    edge = 0.08 * max(high - low, 1e-12)
+    edge = 0.08 * (max(high - low, STILL * max(abs(low), abs(high))) or 1.0)
     return low - edge, high + edge
+
+
+def whole(result: Any, **style: Any) -> dict[str, Any]:
+    """Draw the figure of a stored trajectory; that of a ball on a table is drawn on the table of its recipe."""
+    if not of_table(result):
+        return trajectory(result, **style)
+    return table(table_in(result), result, **style)
+
+
+def table_in(result: Any) -> Any:
+    """Return the pinball table that a result was made on, from the recipe that it keeps."""
+    from grazing.config.maps import model_of
+    from grazing.config.origin import recipe_of
+
+    return model_of(recipe_of(result.attrs, {}))

@@ -6,7 +6,10 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from numpy.typing import NDArray
 
+from grazing.maps.discontinuity import ZeroTime
+from grazing.outcome import InputError, shown
 from grazing.plot.drawn import inline
 from grazing.plot.style import GRAZE, INK, PERIODS, WALL, axes, root, styled
 
@@ -33,6 +36,9 @@ def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = 
     dict
         ``points`` (line with the four markers), ``fall``, ``reset``, ``back``, ``wall``, ``flow``, ``figure``.
     """
+    if not isinstance(points, ZeroTime):
+        raise InputError(f"plot.zdm cannot draw a {type(points).__name__}; allowed is what gz.zdm_points returns")
+    pieces = _checked_flow(flow)
     U, V = points.points[:, 0], points.points[:, 1]
     A = points.acceleration
 
@@ -43,9 +49,7 @@ def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = 
 
     with styled():
         ax = axes(ax, height=70.0)
-        behind = [
-            ax.plot(np.asarray(p)[:, 1], np.asarray(p)[:, 0], color="#9a9a9a", lw=0.8, zorder=2)[0] for p in flow or []
-        ]
+        behind = [ax.plot(p[:, 1], p[:, 0], color="#9a9a9a", lw=0.8, zorder=2)[0] for p in pieces]
         (fall,) = ax.plot(*flight(0, 1), color=PERIODS[2], lw=1.4, zorder=3)
         (reset,) = ax.plot(V[1:3], U[1:3], color=GRAZE, lw=1.2, ls=(0, (3, 1.5)), zorder=3)
         (back,) = ax.plot(*flight(2, 3), color=PERIODS[1], lw=1.6, ls=(0, (6, 1.5)), zorder=3)
@@ -72,3 +76,14 @@ def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = 
         "wall": wall,
         "flow": behind,
     }
+
+
+def _checked_flow(flow: Any) -> list[NDArray[np.float64]]:
+    """Return pieces of a flow as arrays of rows (u, v), or raise InputError."""
+    try:
+        pieces = [np.asarray(piece, np.float64) for piece in (() if flow is None else flow)]
+    except (TypeError, ValueError):
+        pieces = [np.empty(0)]
+    if any(piece.ndim != 2 or piece.shape[1] != 2 for piece in pieces):
+        raise InputError(f"flow is {shown(flow)}; give a list of arrays of shape (n, 2), rows (u, v)")
+    return pieces

@@ -21,7 +21,7 @@ from grazing.pool import LOCK
 from grazing.proof.clearance import check_impacts, cleared_flight
 from grazing.proof.equations import Equations, Matrix
 from grazing.proof.expression import NotAnExpression
-from grazing.proof.flow import TooLong
+from grazing.proof.flow import Blurred, TooLong
 from grazing.proof.gap import GapProof, certify_gap_orbit
 from grazing.proof.krawczyk import NoConvergence, contraction, inverse, newton, remainder, residual_of
 from grazing.proof.reasons import NotProven, Open, Stage, Virtual
@@ -53,6 +53,10 @@ if TYPE_CHECKING:
 PRECISIONS = (256, 512, 1024)
 #: Half-widths of the box of uniqueness, as powers of two of the natural scales, and the contraction rate asked for.
 WIDEST, NARROWEST, RATE = -3, -90, 0.5
+TOO_LONG = (
+    "a flight has too many time scales to be enclosed step by step; raise omega, lower alpha or k, or prove an orbit "
+    "of fewer periods"
+)
 UNDECIDED = (
     "stability is not decided: a multiplier is on the unit circle or too close to it, as where energy is conserved"
 )
@@ -228,11 +232,12 @@ def at_some_precision(prove: Callable[[int], tuple[dict[str, Any], list[dict[str
                 return prove(bits)
         except Open as error:
             said = str(error)
+        except Blurred:
+            said = TOO_LONG
         except TooLong:
-            raise NotProven(
-                "a flight has too many time scales to be enclosed step by step; raise omega, lower alpha or k, or "
-                "prove an orbit of fewer periods"
-            ) from None
+            raise NotProven(TOO_LONG) from None
+        except NoConvergence:
+            raise NotProven("Newton's method does not converge at an end of the curve; give another orbit") from None
         except NotAnExpression as error:
             raise NotProven(
                 f"the reset law cannot be written as an expression ({error}); write it with arithmetic, comparisons "

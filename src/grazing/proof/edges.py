@@ -6,12 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 from grazing.maps.stroboscopic import stroboscopic_map
-from grazing.orbits.contacts import Model
 from grazing.orbits.curves import wrapped
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
 from grazing.orbits.word_windows import met
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.rig import Rig
 from grazing.outcome import GrazingError
 from grazing.proof.certify import Certificate
 from grazing.proof.enclose import enclose
@@ -26,12 +25,12 @@ INSIDE = (1e-3, 1e-2, 1e-4)
 ALIKE = 1e-3
 
 
-def edge_proofs(model: Model, table: xr.Dataset) -> Iterator[tuple[int, str, Certificate | str]]:
+def edge_proofs(model: Rig, table: xr.Dataset) -> Iterator[tuple[int, str, Certificate | str]]:
     """Yield a proof of every edge of every window: the window, the side, and the proof or why there is none.
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
         That of the windows.
     table : xarray.Dataset
         What :func:`grazing.windows` returned for this model: a proof counts if its enclosure holds the edge and its
@@ -101,12 +100,12 @@ class _Edge:
                 yield omega * (float(low) + t0)
 
 
-def _orbits(model: Model, N: int, word: str) -> Sequence[ImpactOrbit]:
+def _orbits(model: Rig, N: int, word: str) -> Sequence[ImpactOrbit]:
     """Return orbits of N periods: with one impact, or between walls that hit them in the order of a word."""
-    return one_impact_orbits(model, N) if isinstance(model, Oscillator) else met(stroboscopic_map(model), N, [word])
+    return one_impact_orbits(model.seen[0], N) if not model.walled else met(stroboscopic_map(model), N, [word])
 
 
-def _enclosed(model: Model, name: str, edge: _Edge) -> Certificate | str:
+def _enclosed(model: Rig, name: str, edge: _Edge) -> Certificate | str:
     """Return the proof of one edge, begun from an orbit inside the window, or why there is none."""
     why = "no orbit was found beside it"
     for part in INSIDE:

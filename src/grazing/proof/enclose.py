@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from grazing.orbits.contacts import numbered, sizes_of, walls_of
+from grazing.orbits.contacts import numbered, sizes_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
@@ -375,6 +375,6 @@ def dip_text(equations: Equations, dip: Dip | None, cleared: list[Cleared], time
         return {}
     one = cleared[dip.flight].dip
     assert one is not None
-    wall = {} if alone(equations.model) else {"wall": walls_of(equations.model)[dip.wall].name}
+    wall = {} if alone(equations.model) else {"wall": equations.model.walls[dip.wall].name}
     stretch = {"from": exact_text(one[0]), "to": exact_text(one[1]), "time": exact_text(time)}
     return {"flight": dip.flight + 1, **wall, **stretch}

@@ -12,7 +12,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.orbits.contacts import Model, oscillators_of
+from grazing.oscillator.rig import Rig
 from grazing.proof.expression import expression
 from grazing.proof.flow import Flow, Moment
 from grazing.proof.law import Law
@@ -67,7 +67,7 @@ class Equations:
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
         The model; its parameters are exact.
     n, N : int
         Impacts, and periods of the forcing.
@@ -80,15 +80,13 @@ class Equations:
     """
 
     def __init__(
-        self, model: Model, n: int, N: int, name: str | None = None, speeds: Sequence[float] = (),
+        self, model: Rig, n: int, N: int, name: str | None = None, speeds: Sequence[float] = (),
         hits: Sequence[int] = (),
     ) -> None:  # fmt: skip
         self.model, self.n, self.N, self.name = model, n, N, name
         self.hits = tuple(hits) or (0,) * n
         self.size = 2 * n if n else 2
-        self.trees = [
-            expression(one.reset.law, one.reset.params, tuple(one.params), speeds) for one in oscillators_of(model)
-        ]
+        self.trees = [expression(one.reset.law, one.reset.params, tuple(one.params), speeds) for one in model.seen]
         self._fixed: dict[int, Flow] = {}
 
     @property
@@ -245,7 +243,7 @@ def _met(flow: Flow, leg: Leg, t: arb, end: Moment) -> Moment:
     return Moment(y.x, v.x, y.d, v.d)
 
 
-def _allowed(model: Model, name: str, value: arb) -> bool:
+def _allowed(model: Rig, name: str, value: arb) -> bool:
     """Return whether a parameter surely is in its range."""
     known = model.describe(name)
     low = max(known.low, 0.0) if name == "alpha" and alone(model) else known.low

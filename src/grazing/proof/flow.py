@@ -10,7 +10,7 @@ from __future__ import annotations
 from math import ceil, frexp
 from typing import TYPE_CHECKING, NamedTuple
 
-from grazing.orbits.contacts import Model
+from grazing.oscillator.rig import Rig
 from grazing.proof.seen import Seen
 
 if TYPE_CHECKING:
@@ -22,6 +22,10 @@ MOST_STEPS = 20_000
 
 class TooLong(ArithmeticError):
     """The flight has too many time scales to be followed in steps."""
+
+
+class Blurred(TooLong):
+    """The balls grow so much on the way that the digits at hand are lost."""
 
 
 class Moment(NamedTuple):
@@ -38,7 +42,7 @@ class Flow:
 
     Parameters
     ----------
-    model : Oscillator or Walled
+    model : Rig
         Its parameters are exact doubles.
     name : str, optional
         A parameter that takes ``value`` instead; derivatives by it are carried along if ``derivative`` is set.
@@ -47,7 +51,7 @@ class Flow:
     """
 
     def __init__(
-        self, model: Model, name: str | None = None, value: arb | None = None, derivative: bool = False, wall: int = 0
+        self, model: Rig, name: str | None = None, value: arb | None = None, derivative: bool = False, wall: int = 0
     ) -> None:
         from flint import arb, arb_mat
 

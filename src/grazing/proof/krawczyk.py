@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 from grazing.oscillator.sure import Undecided
 from grazing.proof.equations import Equations, Flight, Matrix
-from grazing.proof.flow import TooLong
+from grazing.proof.flow import Blurred, TooLong
 
 if TYPE_CHECKING:
     from flint import arb
@@ -52,18 +52,22 @@ def newton(equations: Equations, x: list[arb], pinned: int | None = None) -> lis
     ------
     NoConvergence
         If the steps do not shrink, or impacts change their order.
+    TooLong
+        If the flights of x have too many time scales; as Blurred, if no digit of what must vanish is left.
     """
     from flint import arb, arb_mat, ctx
 
     x = [a.mid() for a in x]
     small = arb(2) ** (16 - ctx.prec // 2)  # convergence is quadratic: the next error is its square
-    for _ in range(STEPS):
+    for count in range(STEPS):
         if not all(a.is_finite() for a in x) or not equations.ordered(x):
             break
         try:
             flights = equations.flights(x, derivative=equations.name is not None and pinned != equations.size)
         except TooLong:
-            break
+            if count:
+                break
+            raise
         rows = [without(row, pinned) for row in equations.jacobian(flights)]
         values = equations.residual(x, flights)
         try:
@@ -75,6 +79,8 @@ def newton(equations: Equations, x: list[arb], pinned: int | None = None) -> lis
         size = max((abs(a) for a in change), key=float)
         if size <= small * (1 + max(float(abs(a)) for a in x)):
             return x
+        if all(a.contains(0) for a in values):
+            raise Blurred
     raise NoConvergence
 
 

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from grazing.orbits.contacts import walls_of
 from grazing.oscillator.forcing import amplitudes_in
-from grazing.oscillator.model import Oscillator
 from grazing.oscillator.spring import spring_of
 from grazing.proof.clearance import Cleared
 from grazing.proof.equations import Equations, Flight, Matrix
@@ -27,11 +25,10 @@ def described(equations: Equations, bits: int) -> dict[str, Any]:
     if not alone(model):
         found = _walled(equations, text)
         return {**found, **said} if name is None else {**found, **said, "parameter": _unknown(equations, name)}
-    assert isinstance(model, Oscillator)
     known: dict[str, Any] = {key: text[key] for key in ("alpha", "k", "omega", "t0")}
     known |= {"offset": text[model.offset_name], "sigma": text["sigma"], "offset_name": model.offset_name}
     known |= _waves(text)
-    own = {key: text[key] for key in model.reset.params}
+    own = {key: text[key] for key in model.walls[0].law.params}
     said |= {"model": known, "law": {"parameters": own, "after": equations.trees[0]}, "impacts": equations.n}
     if name is None:
         return said
@@ -43,9 +40,8 @@ def _walled(equations: Equations, text: dict[str, str | None]) -> dict[str, Any]
     """Return what a certificate says of a model with walls of its own, and at which of them impacts are."""
     model = equations.model
     spring, seen = spring_of(model)[0], Seen(model)
-    offset = model.offset_name if isinstance(model, Oscillator) else "offset"
     known: dict[str, Any] = {key: text[key] for key in ("alpha", spring, "omega", "t0")}
-    known |= {"offset": text[offset], **_waves(text)}
+    known |= {"offset": text[model.offset_name], **_waves(text)}
     walls = []
     for j, wall in enumerate(seen.walls):
         front, own = seen.place_of(j)
@@ -64,8 +60,7 @@ def _unknown(equations: Equations, name: str) -> dict[str, str]:
             return {"of": f"law of {wall.name}", "name": name.removeprefix(front)}
         if name == f"{front}sigma" or name.startswith(own):
             return {"of": str(wall.name), "name": name.removeprefix(own).removeprefix(front)}
-    offset = isinstance(model, Oscillator) and name == model.offset_name
-    return {"of": "model", "name": "offset" if offset else name}
+    return {"of": "model", "name": "offset" if name == model.offset_name else name}
 
 
 def _waves(text: dict[str, str | None], front: str = "") -> dict[str, list[str | None]]:
@@ -143,7 +138,7 @@ def impact_rows(flights: list[Flight], n: int) -> list[dict[str, str]]:
 
 def clear_rows(cleared: list[Cleared], equations: Equations, flights: list[Flight]) -> list[dict[str, str]]:
     """Return the inequalities of the flights."""
-    made, names = [], [str(wall.name) for wall in walls_of(equations.model)]
+    made, names = [], [str(wall.name) for wall in equations.model.walls]
     for i, one in enumerate(cleared):
         flight = f"flight {i + 1}" if equations.n else "the orbit"
         if alone(equations.model):

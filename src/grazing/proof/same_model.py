@@ -7,8 +7,7 @@ from typing import Any
 
 from grazing.billiard.table import Table
 from grazing.maps.map import Map
-from grazing.oscillator.model import Oscillator
-from grazing.oscillator.walled import Walled
+from grazing.oscillator.rig import Rig
 from grazing.outcome import InputError, shown
 from grazing.proof.expression import NotAnExpression
 
@@ -57,7 +56,7 @@ def _described(model: Any, data: Mapping[str, Any]) -> dict[str, Any]:
 
     speeds = speeds_in(data)
     try:
-        if isinstance(model, (Oscillator, Walled)):
+        if isinstance(model, Rig):
             found = described(Equations(model, 0, 1, speeds=speeds), 0)
         elif isinstance(model, Table):
             found = described_table(model, [-v for v in speeds])

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from grazing.proof.clearance import started
 from grazing.proof.equations import Equations, Flight
-from grazing.proof.flow import TooLong
+from grazing.proof.flow import Blurred, TooLong
 from grazing.proof.krawczyk import NoConvergence, newton
 from grazing.proof.reasons import NotProven
 
@@ -166,6 +166,8 @@ class Search:
                 new = newton(self.equations, guess, self.pinned)
                 if self._apart(guess, new) <= min(ASTRAY * self._way(x, guess), FAR):
                     return new
+            except Blurred:
+                raise
             except (NoConvergence, TooLong):
                 pass
             step = (step / 4).mid()

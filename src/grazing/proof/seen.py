@@ -9,9 +9,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from grazing.orbits.contacts import Model, walls_of
 from grazing.oscillator.forcing import amplitudes_in
-from grazing.oscillator.model import Oscillator
+from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import spring_of
 
 if TYPE_CHECKING:
@@ -52,10 +51,10 @@ class Dual:
 class Seen:
     """The parameters of a model; ``name`` takes ``value`` instead of its own."""
 
-    def __init__(self, model: Model, name: str | None = None, value: arb | None = None) -> None:
+    def __init__(self, model: Rig, name: str | None = None, value: arb | None = None) -> None:
         from flint import arb
 
-        self.model, self.name, self.walls = model, name, walls_of(model)
+        self.model, self.name, self.walls = model, name, model.walls
         self.all = {key: Dual(arb(x), arb(1 if key == name else 0)) for key, x in model.params.items()}
         if name is not None and value is not None:
             self.all[name] = Dual(value, arb(1))
@@ -68,7 +67,7 @@ class Seen:
 
     def place_of(self, j: int) -> tuple[str, str]:
         """Return what stands in front of the names of a wall's position and law, and of its motion."""
-        if isinstance(self.model, Oscillator):
+        if not self.model.walled:
             return "", "no motion "
         own = f"{self.walls[j].name}."
         return own if len(self.walls) > 1 else "", own
@@ -91,7 +90,7 @@ class Seen:
     def motion(self, j: int) -> tuple[Dual, list[tuple[int, Dual, Dual]]]:
         """Return the constant part and the harmonics of the force on a ball, as a wall sees it from y = 0."""
         sign, k2, alpha, omega = int(self.walls[j].sign), self.stiffness, self.all["alpha"], self.all["omega"]
-        level = self.all[self.model.offset_name if isinstance(self.model, Oscillator) else "offset"]
+        level = self.all[self.model.offset_name]
         level = (level - k2 * self.position(j)).times(sign)
         waves: Mapping[int, tuple[Dual, Dual]] = {i: (c, s) for i, c, s in self.waves("")}
         force = dict(waves)
@@ -124,6 +123,6 @@ class Seen:
         return (here[0] - there[0]).times(sign) + y.times(turn), (here[1] - there[1]).times(sign) + v.times(turn)
 
 
-def alone(model: Model) -> bool:
+def alone(model: Rig) -> bool:
     """Whether certificates speak of a model as of one over a wall at rest, damped or not and with a frequency k."""
-    return isinstance(model, Oscillator) and model.stiffness is None and model.alpha >= 0.0
+    return not model.walled and model.stiffness is None and model.alpha >= 0.0

@@ -54,7 +54,7 @@ def history(
 ) -> xr.Dataset:
     """Return a trajectory, what was before ``since`` left out, whose figure is position or velocity over time."""
     _refuse_system(model, "there is a history")
-    if of not in OF:
+    if not isinstance(of, str) or of not in OF:
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     motion = trajectory(model, state, start, until, samples).assign_attrs(history_of=of)
     return _since(motion, start, until, since)

@@ -70,7 +70,7 @@ def to_wav(
     target = path_of(path)
     if target.suffix.lower() != ".wav":
         raise InputError(f"{target} ends in {target.suffix or 'nothing'!r}; allowed is '.wav'")
-    if of not in OF:
+    if not isinstance(of, str) or of not in OF:
         raise InputError(f"of = {shown(of)}; allowed are v, the velocity, and u, the position")
     speed = real(speed, "speed", "any positive number of units of time in a second is allowed")
     if not speed > 0.0:

@@ -59,7 +59,7 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
     from scipy.signal import get_window, periodogram
 
     period = model_of(recorded).period
-    if of not in OF:
+    if not isinstance(of, str) or of not in OF:
         raise InputError(f"of = {shown(of)}; allowed are u, the position, and v, the velocity")
     rate = recorded.attrs.get("sample_rate")
     t, x = recorded["t"].values, recorded[of].values

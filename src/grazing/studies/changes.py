@@ -9,8 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
+from grazing.orbits.corrector import closed
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.path import closed
 from grazing.orbits.signature import equations_of
 from grazing.orbits.word import word
 from grazing.oscillator.trajectory import trajectory
@@ -152,9 +152,9 @@ def _seen(P: Map, orbit: Orbit) -> Floats | None:
     point = np.asarray(orbit.points[0])
     if P.section is None or P.params.get("phase") == 0.0:
         return point
-    if P.section != "strobe" or orbit.map.model is None:
+    if P.section != "strobe":
         return None
-    flown = trajectory(orbit.map.model, (point[0], point[1]), start=0.0, until=P.params["phase"], samples=2)
+    flown = trajectory(orbit.map.origin.rig, (point[0], point[1]), start=0.0, until=P.params["phase"], samples=2)
     return np.array([flown["u"].values[-1], flown["v"].values[-1]])
 
 
@@ -196,7 +196,7 @@ def _relabelled(P: Map, x: Floats, Q: Map, y: Floats, N: int, M: int) -> bool:
     That is the phase farthest from the impacts of both; and the impacts must have moved little. Only a stroboscopic map
     has letters that depend on the phase.
     """
-    if P.section != "strobe" or Q.section != "strobe" or N != M or N < 1:
+    if P.model is None or P.section != "strobe" or Q.section != "strobe" or N != M or N < 1:
         return False
     one, two = _impact_times(P, x, N), _impact_times(Q, y, N)
     if one is None or two is None or len(one) != len(two) or not len(one):

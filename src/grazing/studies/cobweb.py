@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 #: Places at which the graph of the map is known, and how far it reaches beyond the orbit, as a part of its length.
 PLACES, MARGIN = 1200, 0.12
+#: What counts as beside a place, in shares of the largest one; alone where all are 0.
+CLOSE = 1e-12
 
 
 def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0) -> xr.Dataset:
@@ -83,6 +85,7 @@ def places_of(points: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
     ended = points[np.isfinite(points)]
     low, high = (float(ended.min()), float(ended.max())) if ended.size else (0.0, 0.0)
     with np.errstate(over="ignore", invalid="ignore"):  # points that a double holds, but not how far they are apart
-        pad = MARGIN * max(high - low, 1e-12)
+        pad = MARGIN * (max(high - low, CLOSE * max(abs(low), abs(high))) or CLOSE)
         low, high = low - pad, high + pad
-        return np.union1d(np.linspace(low, high, PLACES), np.array([-1e-12, 0.0]) if low < 0.0 < high else [low])
+        below = np.array([max(low, -CLOSE * high), 0.0])
+        return np.union1d(np.linspace(low, high, PLACES), below if low < 0.0 < high else [low])

@@ -86,11 +86,7 @@ def graph(
     """
     import xarray as xr
 
-    checked_map(P)
-    if not isinstance(name, str) or name not in P.coordinates:
-        raise InputError(
-            f"{shown(name)} is no coordinate of the {P.name or 'map'}; allowed are {', '.join(P.coordinates)}"
-        )
+    _checked_coordinate(P, name)
     if name in (*TAKEN, *(f"image_{own}" for own in P.coordinates)):
         raise InputError(f"{shown(name)} names a dimension or variable of the result; rename it in the map")
     if order is not None and (not isinstance(order, str) or order not in ORDERS):
@@ -146,11 +142,16 @@ def graph_of(P: Map, values: ArrayLike, coordinate: str | None = None, **fixed: 
     coordinate : str, optional
         Default: the first one.
     **fixed : float
-        The other coordinates.
+        The other coordinates; each is in the middle of the map's box unless said.
 
     Returns
     -------
     Graph
+
+    Raises
+    ------
+    InputError
+        For what is no map, no coordinate of it, or no numbers.
 
     Examples
     --------
@@ -159,11 +160,20 @@ def graph_of(P: Map, values: ArrayLike, coordinate: str | None = None, **fixed: 
     >>> graph_of(gz.gap_map(0.8, 0.5, 1.0), [-1.0, 0.25]).images[:, 0].round(6).tolist()
     [-0.3, -1.0]
     """
-    names = tuple(P.coordinates)
-    name = coordinate or names[0]
-    x = np.asarray(values, dtype=np.float64)
-    points, letters, _outcomes = _step(P, x, name, fixed)
-    return Graph(x, points.T.copy(), letters, name, names)
+    name = _checked_coordinate(P, P.coordinates[0] if isinstance(P, Map) and coordinate is None else coordinate)
+    x = checked_values(name, values, P)
+    points, letters, _outcomes = _step(P, x, name, checked_fixed(P, (name,), fixed))
+    return Graph(x, points.T.copy(), letters, name, tuple(P.coordinates))
+
+
+def _checked_coordinate(P: Map, name: Any) -> str:
+    """Return the name of a coordinate of a map, or raise InputError."""
+    checked_map(P)
+    if not isinstance(name, str) or name not in P.coordinates:
+        raise InputError(
+            f"{shown(name)} is no coordinate of the {P.name or 'map'}; allowed are {', '.join(P.coordinates)}"
+        )
+    return name
 
 
 def _step(P: Map, x: Floats, name: str, fixed: Mapping[str, float]) -> tuple[Floats, Ints, Ints]:

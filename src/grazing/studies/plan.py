@@ -20,7 +20,7 @@ from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.pool import Progress as Progress
-from grazing.pool import run_tasks, workers_of
+from grazing.pool import checked_progress, run_tasks, workers_of
 from grazing.studies import labels
 from grazing.studies.outside import with_note
 
@@ -220,7 +220,7 @@ def run_plan(plan: Plan, threads: int | None = None, progress: Progress | None =
     axes = ", ".join(f"{name} ({len(values)})" for name, values in plan.axes.items())
     sizes = "".join(f", {name} ({size})" for name, size in plan.sizes.items())
     advice = f"reduce {axes}{sizes}, or sweep into a store: -o result.zarr, gz.sweep.run"
-    workers = workers_of(threads)
+    workers, progress = workers_of(threads), checked_progress(progress)
     refuse_too_large(plan.memory(plan.cells, 1), advice)
     refuse_too_large(plan.memory(plan.cells, workers), f"use fewer threads ({workers}), or {advice}")
     arrays = empty_arrays(plan, plan.cells)

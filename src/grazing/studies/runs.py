@@ -17,7 +17,7 @@ from grazing.maps.pieces import joined, let_go, pieces, steps_of_piece
 from grazing.memory import refuse_too_large
 from grazing.oscillator.workspace import LANES
 from grazing.outcome import InputError, shown
-from grazing.parameter import checked_name, named_by, real, whole
+from grazing.parameter import checked_name, in_order, named_by, real, whole
 from grazing.studies import labels, outside
 from grazing.studies.classify import FLOOR, TOLERANCE
 from grazing.studies.plan import Arrays, Variable
@@ -200,7 +200,7 @@ def together(P: Map, arithmetic: str) -> int:
     """Return how many orbits of a map are worth computing in one go."""
     if flies(P, arithmetic):
         return TOGETHER
-    return MANY if P.prepare is None else FEW
+    return P.origin.together or (MANY if P.prepare is None else FEW)
 
 
 def checked_runs(
@@ -300,7 +300,7 @@ def checked_values(name: str, values: ArrayLike, P: Map | None = None) -> Floats
     try:
         if np.iscomplexobj(values):
             raise TypeError
-        grid = np.array(values, np.float64)
+        grid = np.array(in_order(values), np.float64)
     except Exception:  # of whatever object was given, or of one too large
         raise InputError(f"values are not numbers: {shown(values)}; {wanted}") from None
     if grid.ndim != 1 or not grid.size:

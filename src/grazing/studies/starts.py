@@ -18,7 +18,7 @@ from grazing.kernel.random import uniform as uniform
 from grazing.kernel.random import uniform_numbers
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_box as checked_box
-from grazing.parameter import whole
+from grazing.parameter import in_order, whole
 
 
 def random_starts(seed: int, cell: ArrayLike, lanes: int, box: ArrayLike) -> NDArray[np.float64]:
@@ -75,7 +75,7 @@ def checked_starts(starts: ArrayLike, coordinates: Sequence[str]) -> int | NDArr
     try:
         if np.iscomplexobj(starts):
             raise TypeError
-        states = np.array(starts, np.float64)
+        states = np.array(in_order(starts), np.float64)
     except Exception:  # of whatever object was given, or of one too large
         raise InputError(f"starts are not numbers; {wanted}") from None
     if states.ndim != 2 or states.shape[1] != len(coordinates) or not len(states):

@@ -8,7 +8,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.random import uniform
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
-from grazing.parameter import whole
+from grazing.parameter import in_order, whole
 from grazing.studies.starts import checked_seed
 
 #: Shortest series: a tenth of it must hold a few displacements.
@@ -50,7 +50,7 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDA
     try:
         if np.iscomplexobj(series):
             raise TypeError
-        values = np.array(series, np.float64)
+        values = np.array(in_order(series), np.float64)
     except Exception:  # of whatever object was given, or of one too large
         raise InputError("the series is not numbers; give an array of shape (n,) or (n, m)") from None
     if values.ndim not in (1, 2) or len(values) < SHORTEST:

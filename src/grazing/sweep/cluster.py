@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 
 #: Deaths of workers that one chunk may see. Dask gives up after 3, but a preempted worker is no fault of the chunk.
@@ -54,9 +54,11 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
     """
     if workers is not None:
         workers = whole(workers, "workers", 1)
-    joined = "://" in kind
-    if kind != "local" and not joined and kind not in QUEUES:
-        raise InputError(f"kind is {kind!r}; allowed are 'local', an address such as 'tcp://host:8786', {_quoted()}")
+    joined = isinstance(kind, str) and "://" in kind
+    if not isinstance(kind, str) or not (kind == "local" or joined or kind in QUEUES):
+        raise InputError(
+            f"kind is {shown(kind)}; allowed are 'local', an address such as 'tcp://host:8786', {_quoted()}"
+        )
     if kind in QUEUES and workers is None:
         raise InputError(f"workers is missing; say how many jobs to put into the queue of {kind}")
     dask, distributed = _imported("dask"), _imported("distributed")

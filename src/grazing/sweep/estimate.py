@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import compiler_time
 from grazing.kernel.random import mixed
-from grazing.outcome import InputError
 from grazing.parameter import whole
 from grazing.studies.plan import Plan, empty_arrays
-from grazing.sweep.grid import Chunk, grid_of, seconds_per_step
+from grazing.sweep.grid import Chunk, checked_plan, grid_of, seconds_per_step
 from grazing.sweep.run import COPIES
 
 #: Seconds that timing goes on, those of the compiler left out.
@@ -105,11 +104,7 @@ def estimate(plan: Plan, chunk: Chunk = None, *, threads: int | None = None) -> 
     >>> found.chunks, found.bytes > 60_000, found.seconds < 10.0
     (4, True, True)
     """
-    if plan.sequential:
-        raise InputError(
-            f"{plan.title!r} cannot be swept in chunks: each of its cells begins where its neighbour ended"
-        )
-    grid = grid_of(plan, chunk)
+    grid = grid_of(checked_plan(plan), chunk)
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     rough = plan.size_of_cell + plan.working > TRIED
     timed, seconds = (0, plan.work * seconds_per_step(plan)) if rough else _seconds_per_cell(plan)

@@ -10,7 +10,7 @@ from math import ceil, prod
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, shown
 from grazing.parameter import whole
 from grazing.studies.plan import Plan
 
@@ -85,6 +85,18 @@ class Grid:
             return np.zeros(1, np.int64)
         axes = np.ix_(*(np.arange(part.start, part.stop) for part in self.block(number)))
         return np.ravel_multi_index(axes, self.shape).astype(np.int64).ravel()
+
+
+def checked_plan(plan: object) -> Plan:
+    """Return a plan that can be cut into chunks, or raise InputError."""
+    if not isinstance(plan, Plan):
+        raise InputError(f"plan is {shown(plan)}; give one of gz.plans, such as gz.plans.density(...)")
+    if plan.sequential:
+        raise InputError(
+            f"{plan.title!r} cannot be swept in chunks: each of its cells begins where its neighbour ended. "
+            f"Compute it in memory, or choose starts that do not follow the attractor"
+        )
+    return plan
 
 
 def grid_of(plan: Plan, chunk: Chunk = None) -> Grid:

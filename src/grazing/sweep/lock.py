@@ -24,7 +24,8 @@ from uuid import uuid4
 
 from grazing.outcome import InputError
 from grazing.sweep.files import Place, is_own, place
-from grazing.sweep.store import ASIDE, folder_of, open_existing
+from grazing.sweep.opened import open_existing
+from grazing.sweep.store import ASIDE, folder_of
 
 try:
     import fcntl

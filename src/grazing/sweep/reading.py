@@ -21,8 +21,9 @@ from grazing.sweep.grid import seconds_per_step
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, WHO
 from grazing.sweep.letters import TEXT, decoded, restored_attrs
 from grazing.sweep.manifest import Record
+from grazing.sweep.opened import open_existing
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import Store, folder_of, open_existing
+from grazing.sweep.store import Store, folder_of
 from grazing.sweep.task import plan_from_recipe
 from grazing.sweep.who import shares_of
 

@@ -16,18 +16,19 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError
-from grazing.parameter import whole
-from grazing.pool import run_tasks
+from grazing.parameter import in_order, whole
+from grazing.pool import checked_progress, run_tasks
 from grazing.studies.labels import versions
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.executors import run_on_executor
-from grazing.sweep.grid import Chunk, grid_of
+from grazing.sweep.grid import Chunk, checked_plan, grid_of
 from grazing.sweep.lock import locked
 from grazing.sweep.manifest import SEAL
 from grazing.sweep.mend import said
+from grazing.sweep.opened import exists, open_existing
 from grazing.sweep.same import refuse_another
 from grazing.sweep.status import Status, status_of
-from grazing.sweep.store import Store, exists, folder_of, open_existing
+from grazing.sweep.store import Store, folder_of
 from grazing.sweep.task import chunk_task, note_run, plan_from_recipe
 from grazing.sweep.template import create, tidy
 
@@ -101,12 +102,8 @@ def run(
     (2, 4, True)
     """
     path = folder_of(store)
-    if plan.sequential:
-        raise InputError(
-            f"{plan.title!r} cannot be swept in chunks: each of its cells begins where its neighbour ended. "
-            f"Compute it in memory, or choose starts that do not follow the attractor"
-        )
-    shard = _checked(shard, executor, threads)
+    checked_progress(progress)
+    plan, shard = checked_plan(plan), _checked(shard, executor, threads)
     grid = grid_of(plan, chunk)
     tidy(path)
     if not exists(path):
@@ -184,7 +181,7 @@ def _checked(shard: Any, executor: Any, threads: Any) -> Shard:
     if executor is not None:
         raise InputError("shard and executor are both given; a shard needs no executor, an executor needs no shards")
     try:
-        i, n = shard
+        i, n = in_order(shard)
     except (TypeError, ValueError):
         raise InputError(f"shard is {shard!r}; give (i, n), share i of n") from None
     n = whole(n, "shard[1]", 1)

@@ -12,7 +12,8 @@ import numpy as np
 
 from grazing.sweep.lock import Lock, holders
 from grazing.sweep.manifest import Record
-from grazing.sweep.store import Store, folder_of, open_existing
+from grazing.sweep.opened import open_existing
+from grazing.sweep.store import Store, folder_of
 from grazing.sweep.task import time_of_work
 from grazing.sweep.who import shares_of
 

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 import json
 import os
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import product
-from math import ceil, prod
+from math import ceil
 from pathlib import Path
 from typing import Any
 
@@ -19,11 +18,11 @@ from numpy.typing import NDArray
 from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.paths import path_of
 from grazing.studies.plan import Plan
-from grazing.sweep.codec import CODECS, decode, encode, longest, type_named
-from grazing.sweep.files import MISFIT, PARTIAL, Print, print_of, read_file, remove_file, write_file
+from grazing.sweep.codec import decode, encode, longest
+from grazing.sweep.files import PARTIAL, Print, print_of, read_file, remove_file, write_file
 from grazing.sweep.grid import Grid
-from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, MOST, RECIPE, UNBOUND, Layout, Spec
-from grazing.sweep.letters import TEXT, encoded
+from grazing.sweep.layout import DONE, MADE_BY, RECIPE, Layout, Spec
+from grazing.sweep.letters import encoded
 from grazing.sweep.made_by import made_by
 from grazing.sweep.manifest import (
     CHUNKS,
@@ -32,8 +31,6 @@ from grazing.sweep.manifest import (
     Record,
     Template,
     read_record,
-    read_seal,
-    read_template,
     record_lines,
     seal_lines,
 )
@@ -319,173 +316,8 @@ def stored_chunk(plan: Plan, shape: tuple[int, ...], arrays: Arrays) -> dict[str
     return found
 
 
-# ---- opening
-
-
 def folder_of(path: str | os.PathLike[str]) -> Path:
     """Return the path of a store; addresses of remote stores are refused."""
     if not isinstance(path, (str, os.PathLike)) or "://" in str(path) or not str(path):
         raise InputError(f"store is {path!r}; give the path of a folder on a disk of this machine")
     return Path(os.path.abspath(path_of(path)))
-
-
-def exists(path: Path) -> bool:
-    """Whether a store is there; an empty folder is none, and anything else is refused.
-
-    Raises
-    ------
-    InputError
-        For a file, a folder that holds something else, or one that cannot be read.
-    """
-    try:
-        if (path / "zarr.json").is_file():
-            return True
-        if not path.exists() and not path.is_symlink():
-            return False
-        if not path.is_dir():
-            raise InputError(f"{path} is not a folder; a sweep is stored in a folder of its own: choose another name")
-        ours, other = (path / ASIDE).is_dir() or (path / MANIFEST).is_dir(), any(path.iterdir())
-        if (path / "zarr.json").is_file():  # since the first look another process gave its whole store this name
-            return True
-        if ours:
-            raise damaged(path, "zarr.json", "it is missing")
-        if other:
-            raise InputError(f"{path} is not empty and holds no sweep; choose another folder, it is left alone")
-    except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}; choose another folder") from error
-    return False
-
-
-def open_existing(path: Path, fsync: bool = False) -> Store:
-    """Open a store with every check that needs no plan: its metadata are what the manifest says, byte for byte.
-
-    Raises
-    ------
-    InputError
-        If there is none, if it was written by something else, or if its metadata is damaged.
-    """
-    if not exists(path):
-        raise InputError(f"there is no sweep in {path}")
-    record, raw = _json(path, "zarr.json")
-    attrs = record.get("attributes", {})
-    if not isinstance(attrs, dict):
-        raise damaged(path, "zarr.json", "it has no attributes")
-    if LAYOUT not in attrs:
-        if os.path.isdir(path / MANIFEST):
-            raise damaged(path, "zarr.json", "it says nothing of a sweep")
-        raise InputError(f"{path} was written by something else: it holds no sweep; choose another folder")
-    try:
-        layout = Layout.read(attrs[LAYOUT])
-        for part in ("grazing_config", "grazing_config_sha256", "grazing_code_sha256", "grazing_versions", "source"):
-            attrs[part].encode()
-        for part in ("grazing_config", "grazing_versions", *({RECIPE, MADE_BY} & attrs.keys())):
-            dict(json.loads(attrs[part]))
-        listed = record["consolidated_metadata"]["metadata"] if layout.format == UNBOUND else {}
-    except InputError as error:
-        raise InputError(f"{path} cannot be opened: {error}") from None
-    except MISFIT as error:
-        raise damaged(path, "zarr.json", error) from error
-    if hashlib.sha256(attrs["grazing_config"].encode()).hexdigest() != attrs["grazing_config_sha256"]:
-        raise damaged(path, "zarr.json", "the configuration does not fit its hash")
-    template = None if layout.format == UNBOUND else _template(path, layout, raw)
-    arrays = {}
-    for name in [*layout.variables, *layout.coords, DONE]:
-        file = f"{name}/zarr.json"
-        own, raw_own = _json(path, file)
-        try:
-            if template is None and {**own, "attributes": {}} != {**listed[name], "attributes": {}}:
-                raise ValueError("it differs from what zarr.json of the store says")
-            if template is not None and raw_own != template.metadata[file].encode():
-                raise ValueError("it is not what the manifest says")
-            arrays[name] = _spec(own, name)
-            _refuse_misfit(arrays[name], name, layout)
-        except MISFIT as error:
-            raise damaged(path, file, error) from error
-    if template is None:
-        return Store(path, attrs, layout, arrays, None, None, hashlib.sha256(raw).hexdigest(), fsync)
-    try:
-        seal = read_seal(path, template.identity, layout.grid.count)
-    except (OSError, ValueError) as error:
-        raise damaged(path, SEAL, error) from error
-    return Store(path, attrs, layout, arrays, template, seal, template.identity, fsync)
-
-
-def _json(path: Path, file: str) -> tuple[dict[str, Any], bytes]:
-    """Return a file of metadata, and its bytes."""
-    try:
-        raw = read_file(path / file)
-        record = json.loads(raw)
-        if not isinstance(record, dict):
-            raise ValueError("it is no metadata of Zarr")
-    except (OSError, ValueError, RecursionError) as error:
-        raise damaged(path, file, error) from error
-    return record, raw
-
-
-def _template(path: Path, layout: Layout, raw: bytes) -> Template:
-    """Return the template, if it is that of this store."""
-    try:
-        template = read_template(path)
-        wanted = {"zarr.json", *(f"{name}/zarr.json" for name in [*layout.variables, *layout.coords, DONE])}
-        fits = raw == template.metadata.get("zarr.json", "").encode()
-        if fits and template.metadata.keys() != wanted:
-            raise ValueError("it names other arrays")
-    except (OSError, ValueError) as error:
-        raise damaged(path, f"{MANIFEST}/template", error) from error
-    if not fits:
-        raise damaged(path, "zarr.json", "it is not what the manifest says")
-    return template
-
-
-def _spec(own: dict[str, Any], name: str) -> Spec:
-    """Return what the metadata of an array says, if it is an array as stores have them."""
-    codecs = tuple(codec["name"] for codec in own["codecs"])
-    endian = own["codecs"][0].get("configuration", {}).get("endian", "little")
-    if codecs != (CODECS[:1] if name == DONE else CODECS) or endian != "little" or own.get("storage_transformers"):
-        raise ValueError("its codecs are not those of a store")
-    key, grid = own["chunk_key_encoding"], own["chunk_grid"]
-    if (
-        key["name"] != "default"
-        or key.get("configuration", {}).get("separator", "/") != "/"
-        or grid["name"] != "regular"
-    ):
-        raise ValueError("its chunks are not cut as those of a store")
-    data_type = type_named(own["data_type"], "biufc")
-    shape, chunk = (tuple(map(int, sizes)) for sizes in (own["shape"], grid["configuration"]["chunk_shape"]))
-    dims = tuple(map(str, own.get("dimension_names") or ()))
-    attrs, kind = own.get("attributes", {}), str(data_type)
-    if not isinstance(attrs, dict):
-        raise ValueError("it has no attributes")
-    if not len(shape) == len(chunk) == len(dims) or min(shape, default=0) < 0 or min(chunk, default=1) < 1:
-        raise ValueError("its shape is none")
-    return Spec(dims, shape, chunk, "text" if TEXT in attrs else kind, attrs)
-
-
-def _refuse_misfit(spec: Spec, name: str, layout: Layout) -> None:
-    """Raise ValueError if an array does not have the shape and the type that the sweep gave it."""
-    grid, n = layout.grid, len(layout.grid.shape)
-    if prod(ceil(length / size) for length, size in zip(spec.shape, spec.chunk, strict=True)) > MOST:
-        raise ValueError(f"it has more than {MOST} files")
-    if any(size > max(1, length) for length, size in zip(spec.shape, spec.chunk, strict=True)):
-        raise ValueError("its chunks are larger than itself")  # a file is read and written whole
-    if name == DONE:
-        if (spec.shape, spec.chunk, spec.kind) != (grid.counts, (1,) * n, "uint8"):
-            raise ValueError("its shape is not that of the sweep")
-        return
-    if name in layout.variables:
-        if spec.shape[:n] != grid.shape or spec.chunk[:n] != grid.chunk or spec.dims[:n] != layout.axes:
-            raise ValueError("its shape is not that of the sweep")
-        if spec.kind != layout.variables[name]:
-            raise ValueError("its type is not that of the sweep")
-    if spec.kind == "text" and not spec.shape:
-        raise ValueError("it is no text")
-
-
-def damaged(path: Path, file: str, error: object) -> InputError:
-    """Return what to say of a store with a file that cannot be used."""
-    if isinstance(error, PermissionError):
-        return InputError(f"{path} cannot be read: {error.strerror or error} ({file})")
-    return InputError(
-        f"{path} is damaged: {file} cannot be used ({in_one_line(error)}). "
-        f"Put that file back from a copy, or let sweep.verify(..., repair=True) (grazing sweep verify --repair) do it"
-    )

@@ -22,8 +22,9 @@ from grazing.outcome import GrazingError, InputError, in_one_line
 from grazing.studies.plan import Plan, empty_arrays
 from grazing.sweep.files import append_line, place, read_file, write_file
 from grazing.sweep.made_by import made_by
+from grazing.sweep.opened import open_existing
 from grazing.sweep.same import listed, refuse_another
-from grazing.sweep.store import ASIDE, Arrays, Store, open_existing
+from grazing.sweep.store import ASIDE, Arrays, Store
 
 #: The folder of the times, beside locks and history.
 TIMES = "times"

@@ -19,14 +19,16 @@ from grazing.outcome import InputError, in_one_line, listed, shown
 from grazing.parameter import real, whole
 from grazing.pool import run_tasks
 from grazing.studies.plan import Plan, Progress, empty_arrays
+from grazing.sweep.grid import checked_plan
 from grazing.sweep.layout import LAYOUT, MADE_BY, RECIPE, laid_out
 from grazing.sweep.letters import stored_attrs
 from grazing.sweep.lock import locked
 from grazing.sweep.made_by import made_by
 from grazing.sweep.manifest import MANIFEST
 from grazing.sweep.mend import forget_chunks, mend_coordinates, mend_metadata
+from grazing.sweep.opened import open_existing
 from grazing.sweep.same import refuse_another
-from grazing.sweep.store import ASIDE, Store, folder_of, open_existing, stored_chunk
+from grazing.sweep.store import ASIDE, Store, folder_of, stored_chunk
 from grazing.sweep.task import computed, plan_from_recipe
 
 #: What a difference names where the record of a chunk is at fault.
@@ -166,6 +168,8 @@ def verify(
         raise InputError(f"share = {share:g}; allowed is 0 <= share <= 1")
     seed = whole(seed, "seed", 0)
     path = folder_of(store)
+    if plan is not None:
+        checked_plan(plan)
     ours = any(os.path.isdir(path / name) for name in (ASIDE, MANIFEST))
     with locked(path / ASIDE / "locks", None) if repair and ours else nullcontext():
         mended = mend_metadata(path, plan) if repair else []

@@ -28,7 +28,7 @@ from grazing.outcome import (
     defined,
     shown,
 )
-from grazing.parameter import parameters, real
+from grazing.parameter import in_order, parameters, real
 from grazing.systems.contract import System, tried
 from grazing.systems.march import LAW_BROKEN
 from grazing.systems.pointed import Place, place_of, pointed_of
@@ -207,7 +207,7 @@ def checked_start(system: System, state: ArrayLike) -> tuple[float, ...]:
     names = system.coordinates
     wanted = f"give {len(names)} numbers ({', '.join(names)})"
     try:
-        values = np.asarray(state, dtype=object).ravel().tolist() if len(state) == len(names) else []  # type: ignore[arg-type]
+        values = np.asarray(in_order(state), dtype=object).ravel().tolist() if len(state) == len(names) else []  # type: ignore[arg-type]
     except Exception:  # of whatever object was given
         values = []
     if len(values) != len(names):

@@ -85,7 +85,7 @@ def _as_numbers(name: str, value: object) -> npt.NDArray[Any]:
         array = np.asarray(value)
     except Exception:  # of whatever object was given, or of one too large
         raise _refusal(name, value) from None
-    if array.dtype.kind not in ("iu" if name == "N" else "iuf"):
+    if np.ma.is_masked(value) or array.dtype.kind not in ("iu" if name == "N" else "iuf"):
         raise _refusal(name, value)
     return array
 

@@ -7,11 +7,15 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from grazing.theory._inputs import elements, number, period
+from grazing.outcome import InputError
+from grazing.theory._inputs import Periods, elements, number, period
 from grazing.theory.edges import mu_bc, mu_gr, mu_pd, triple_sum_minus_4
 from grazing.theory.interval import Interval
 
 __all__ = ["Window", "existence_interval", "overlapping", "stability_interval", "window", "windows_overlap"]
+
+#: The most windows that are held against each other at once.
+MOST_PERIODS = 10**6
 
 
 @dataclass(frozen=True)
@@ -180,10 +184,7 @@ def windows_overlap(N: int, lam: float, l: float) -> bool:
     >>> theory.windows_overlap(3, 0.5, 0.058), theory.windows_overlap(3, 0.5, 0.059)
     (False, True)
     """
-    gap = number("l", l)
-    n, a = elements(N=period(N), lam=number("lam", lam))
-    bracket = 0.1875 * float(triple_sum_minus_4(n, a))
-    return bracket < 0 or gap > float(np.power(a, n - 1)) * bracket
+    return bool(_overlap(period(N), lam, l))
 
 
 def overlapping(lam: float, l: float, N_max: int) -> npt.NDArray[np.int64]:
@@ -196,7 +197,7 @@ def overlapping(lam: float, l: float, N_max: int) -> npt.NDArray[np.int64]:
     l : float
         Gap, l >= 0.
     N_max : int
-        Largest N considered, N_max >= 1.
+        Largest N considered, 1 <= N_max <= 10^6.
 
     Returns
     -------
@@ -214,4 +215,16 @@ def overlapping(lam: float, l: float, N_max: int) -> npt.NDArray[np.int64]:
     >>> theory.overlapping(0.9, 0.8, 18).tolist()
     [1, 2, 3, 16, 17, 18]
     """
-    return np.array([N for N in range(1, period(N_max) + 1) if windows_overlap(N, lam, l)], dtype=np.int64)
+    last = period(N_max)
+    if last > MOST_PERIODS:
+        raise InputError(f"N_max = {last}; allowed is at most {MOST_PERIODS}; windows_overlap tells of a larger one")
+    periods = np.arange(1, last + 1)
+    return periods[_overlap(periods, lam, l)]
+
+
+def _overlap(N: Periods, lam: float, l: float) -> npt.NDArray[np.bool_]:
+    """Return whether the windows of N and N + 1 overlap, for each N."""
+    gap = number("l", l)
+    n, a = elements(N=N, lam=number("lam", lam))
+    bracket = 0.1875 * triple_sum_minus_4(n, a)
+    return np.asarray((bracket < 0) | (gap > np.power(a, n - 1) * bracket))

@@ -7,6 +7,7 @@ import { plainSymbol } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
+import { guided } from "./guide.js";
 import { load } from "./load.js";
 import { panel } from "./panel.js";
 import { PRESETS } from "./presets.js";
@@ -16,7 +17,6 @@ import { DEFAULTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, ti
 import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
-import { TOUR } from "./tour.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -40,6 +40,10 @@ const fields = {};
 let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), scheduled = 0, waiting = false, linking = 0, stepped = false, failed = false;
 /** @type {import("./pool.js").Pool | null} */
 let pool = null;
+/** @type {((state: State) => void) | undefined} */
+let guide;
+/** The address as the page wrote or read it. */
+let linked = "";
 /** What makes another scene. */
 const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
@@ -152,19 +156,7 @@ function render() {
   if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
-  const step = TOUR[state.tour - 1], focused = document.activeElement;
-  const left = !step && $("guide").contains(focused);
-  $("guide").hidden = !step;
-  if (left) $("tour").focus();
-  if (step) {
-    $("guide-title").textContent = `${state.tour} of ${TOUR.length}: ${step.title}`;
-    if ($("guide").children[1].textContent !== step.text) $("guide").children[1].textContent = step.text;
-    $("back").disabled = state.tour === 1;
-    $("next").disabled = state.tour === TOUR.length;
-    // a button that is switched off loses the focus: the other one takes it
-    if (focused === $("next") && $("next").disabled) $("back").focus();
-    if (focused === $("back") && $("back").disabled) $("next").focus();
-  }
+  guide?.(state);
   $("hint").textContent = HINTS[shown];
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
@@ -188,8 +180,10 @@ function render() {
 /** Put the state into the address. Not at every move of a slider: that costs more than a picture, and browsers allow few. */
 function address() {
   clearTimeout(linking);
+  if (location.hash !== linked) return; // the browser has gone elsewhere in its history, and is about to say so
   const link = toFragment(state);
   if (link !== location.hash) history[stepped ? "pushState" : "replaceState"](null, "", link);
+  linked = location.hash;
   stepped = false;
 }
 
@@ -263,11 +257,7 @@ function build() {
   for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
-  const visit = (/** @type {number} */ n) => present({ ...TOUR[n - 1].state, tour: n });
-  $("tour").addEventListener("click", () => visit(1));
-  $("back").addEventListener("click", () => state.tour > 1 && visit(state.tour - 1));
-  $("next").addEventListener("click", () => state.tour < TOUR.length && visit(state.tour + 1));
-  $("leave").addEventListener("click", () => change({ tour: 0 }));
+  guide = guided({ change, present, state: () => state });
   $("problem").lastElementChild.addEventListener("click", () => {
     problems.clear();
     problem("");
@@ -288,7 +278,8 @@ function build() {
   $("speed").addEventListener("input", () => ball && (ball.speed = Number($("speed").value)));
   $("controls").addEventListener("submit", (/** @type {Event} */ event) => event.preventDefault());
   addEventListener("hashchange", (event) => {
-    const { hash } = new URL(event.newURL); // the address itself may have been written over by address() since
+    const { hash } = new URL(event.newURL);
+    linked = hash;
     if (hash !== toFragment(state)) read(hash);
   });
   const again = () => (failed ? refresh() : current()?.repaint());
@@ -301,6 +292,7 @@ function build() {
 function read(hash) {
   clearTimeout(linking);
   stepped = false;
+  linked = hash;
   const { state: found, problems: wrong } = fromFragment(hash, fields);
   state = found;
   home = zoomedOut(found);

@@ -47,7 +47,8 @@ export const DEFAULTS = {
   chart: "gap", second: "V", positions: pair(0, 0.5), velocities: pair(-0.8, 0.8), gaps: pair(0, 1), heights: pair(0, 0.8), chart_columns: 240, chart_rows: 180,
   theory: true, colour: true, twin: false, sweeps: false,
   columns: 800, bins: 600, starts: 16, transient: 500, keep: 500, flow_starts: 8, flow_transient: 120, flow_keep: 64, seed: 0,
-  tour: 0,
+  tour: 0, answer: 0,
+  note: "",
 };
 
 /** @typedef {typeof DEFAULTS} State */
@@ -58,7 +59,7 @@ export const DEFAULTS = {
 export const later = () => undefined;
 
 /** @type {Record<string, Pair>} */
-const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length], web: [0, 400] };
+const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length], answer: [0, 9], web: [0, 400] };
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
 const SWITCHES = ["reduced", "theory", "colour", "twin", "sweeps"];
 /** @type {Record<string, string[]>} */
@@ -66,6 +67,8 @@ const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinat
 
 /** Characters of a link beyond which none is ours, and parts of one that are explained: what is shown is read by somebody. */
 const LONGEST_LINK = 10_000, EXPLAINED = 8;
+/** Characters of a note that a link may carry. */
+export const LONGEST_NOTE = 280;
 
 /** The parameters that a diagram can vary: those that the reset law has. @param {string} law */
 export const varied = (law) => VARIED.filter((name) => (name !== "V" || law !== "newton") && (name !== "trigger" || law === "triggered"));
@@ -146,6 +149,10 @@ function read(key, text, fields) {
     const start = text.split(":").map(number);
     if (start.length !== 3 || !start.every(Number.isFinite)) throw new Error(`ball=${text}; give u:v:time, three numbers`);
     return start;
+  }
+  if (key === "note") {
+    if (text.length > LONGEST_NOTE) throw new Error(`the note has ${text.length} characters, of ${LONGEST_NOTE} at most`);
+    return text;
   }
   const value = number(text);
   if (WHOLE[key]) {
@@ -228,9 +235,15 @@ export function mended(state, fields, given = []) {
     state[axis] = wholeOf(axis, name);
   }
   const step = TOUR[state.tour - 1];
-  if (step && step.state.view !== state.view) {
-    say("tour", `tour=${state.tour} shows the view ${step.state.view}, not ${state.view}`);
-    state.tour = 0;
+  const asked = step?.question;
+  if (state.answer > (asked?.choices.length ?? 0)) {
+    say("answer", `answer=${state.answer}; ${asked ? `there are ${asked.choices.length} answers` : "nothing is asked"}`);
+    state.answer = 0;
+  }
+  const wanted = (state.answer && asked?.shown.view) || step?.state.view;
+  if (step && wanted !== state.view) {
+    say("tour", `tour=${state.tour} shows the view ${wanted}, not ${state.view}`);
+    Object.assign(state, { tour: 0, answer: 0 });
   }
   return said;
 }
@@ -241,7 +254,8 @@ export function toFragment(state) {
   const parts = [`version=${VERSION}`, `view=${state.view}`];
   for (const [key, value] of Object.entries(state)) {
     if (key === "view" || JSON.stringify(value) === JSON.stringify(usual[key])) continue;
-    parts.push(`${key}=${Array.isArray(value) ? value.join(":") : typeof value === "boolean" ? (value ? "yes" : "no") : value}`);
+    const text = Array.isArray(value) ? value.join(":") : typeof value === "boolean" ? (value ? "yes" : "no") : value;
+    parts.push(`${key}=${key === "note" ? encodeURIComponent(String(text)) : text}`);
   }
   return `#${parts.join("&")}`;
 }

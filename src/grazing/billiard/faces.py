@@ -1,0 +1,230 @@
+"""The first contact with faces: the side that seems to come first is met first, and ends what must be looked at.
+
+Of all others it is then shown that they are not met until the first contact of all, or they are met as well.
+"""
+
+from __future__ import annotations
+
+from math import floor, sqrt
+from typing import Any
+
+from grazing.billiard.gaps import DEEP, EPS, GAP, face_crossing, face_root, rests, touches
+from grazing.billiard.rows import EX, EY, LONG, MX, MY, OWNER, PX, PY, SIZE, WIDTH
+from grazing.kernel.primitives import behind, inlined
+from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, STUCK
+
+INFINITY = float("inf")
+#: Flags with which the search for a contact ends.
+STOP = FATAL | STUCK
+#: Errors of a gap within which a ball without a radius is in a corner.
+CORNER = 4.0
+
+
+@inlined
+def nearer(found: Any, surface: int, owner: float, t: float, late: float) -> Any:
+    """Return the earlier of what was found and another contact, ambiguous if their order is not sure.
+
+    ``found`` is (surface, time, how late that may be, object, flags). Two surfaces of one object are the same contact:
+    a face ends where the circle around its end begins.
+    """
+    hit, best, slack, who, flags = found
+    if hit >= 0 and who != owner and abs(t - best) <= late + slack:
+        flags |= AMBIGUOUS
+    if t < best:
+        return surface, t, late, owner, flags
+    return hit, best, slack, who, flags
+
+
+@inlined
+def ended(found: Any, surface: int, t: float, flags: int) -> Any:
+    """Return what was found where a flight ends by name."""
+    return surface, t, 0.0, -1.0, found[4] | flags
+
+
+@inlined
+def body_of(surface: int, faces: int, circles: int, rows: Any) -> Any:
+    """Return a point of what lies at a surface: in a corner it says on which side of the other one the ball is."""
+    if surface < 0:
+        return 0.0, 0.0
+    if surface < 2 * faces:
+        row = behind(rows, WIDTH * (surface // 2))
+        return row[PX] + 0.5 * row[LONG] * row[EX], row[PY] + 0.5 * row[LONG] * row[EY]
+    row = behind(rows, WIDTH * (surface - faces))
+    far = row[SIZE] if surface >= 2 * faces + circles else 0.0
+    return row[PX] + far * row[MX], row[PY] + far * row[MY]
+
+
+@inlined
+def face_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
+    """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-."""
+    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
+    e = CORNER * GAP * EPS * (abs(dx) + abs(dy))
+    way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
+    if abs(way) <= e:  # one line goes on as the other: it leaves both
+        way = ey * vx - ex * vy
+    return abs(ey * dx - ex * dy) <= e, way
+
+
+@inlined
+def beside_face(row: Any, sign: float, x: float, y: float, vx: float, vy: float) -> Any:
+    """Say whether a ball that slides off something slides off the end of a side of a face, too."""
+    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
+    h, e = sign * (ey * dx - ex * dy) - row[SIZE], GAP * EPS * (abs(dx) + abs(dy) + row[SIZE])
+    return touches(h, ey * vx - ex * vy, e, abs(vx) + abs(vy))
+
+
+@inlined
+def inside_face(off: float, foot: float, size: float, long: float, e: float) -> Any:
+    """Say whether a ball is surely nearer to a face than it can be."""
+    return size - abs(off) - DEEP * e > 0.0 and foot > e and foot < long - e
+
+
+@inlined
+def on_face(t: float, late: float, along: Any, v: Any, face: Any, g: float, end: float) -> Any:
+    """Return (met, flags): whether a face is met at the time t, before ``end`` and between its ends.
+
+    ``along`` is the ball's place as seen from the first end, ``face`` its direction, size and length.
+    """
+    (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
+    spread, speed, s = abs(dx) + abs(dy) + size, abs(vx) + abs(vy), t if t < INFINITY else 0.0
+    foot = ex * (dx + vx * s) + ey * (dy + (vy - 0.5 * g * s) * s)
+    unsure = GAP * EPS * (spread + (speed + g * s) * s) + (speed + g * s) * late
+    on = t < INFINITY and t <= end + late and foot >= -unsure and foot <= long + unsure
+    bare = on and size == 0.0 and (foot < unsure or foot > long - unsure)  # no circle is around that end
+    return on, AMBIGUOUS if bare else OK
+
+
+@inlined
+def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, last: float) -> Any:
+    """Return (t, surface, stuck): when the side of a face on which a ball is seems to be met, infinity for never.
+
+    Nothing of this is sure, but ``stuck``: it just left that side, and bounces by less than can be told. ``left`` and
+    ``right`` are the numbers of the sides.
+    """
+    (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
+    off, fresh = ey * dx - ex * dy, last == left or last == right
+    surface = last if fresh else (right if off >= 0.0 else left)
+    sign = 1.0 if surface == right else -1.0
+    h, dh, bend = 0.0 if fresh else sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
+    D = dh * dh - 4.0 * bend * h
+    down = dh < 0.0 and not fresh
+    meets = D >= 0.0 and (down or bend < 0.0)
+    root = sqrt(max(D, 0.0))
+    over, under = 2.0 * h if down else -0.5 * (dh + root), root - dh if down else bend
+    t = over / (under if meets else 1.0)
+    foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
+    stuck = fresh and rests(dh, bend, GAP * EPS * (abs(dx) + abs(dy) + size))
+    return t if meets and t >= 0.0 and foot >= 0.0 and foot <= long else INFINITY, surface, stuck
+
+
+@inlined
+def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: float) -> Any:
+    """Return (met, t, late): whether one side of a face is met beyond doubt, and when; False if that is in doubt."""
+    (dx, dy), (vx, vy), (ex, ey, size, _long) = along, v, face
+    sign, fresh = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0, last == surface
+    off, e, d = ey * dx - ex * dy, GAP * EPS * (abs(dx) + abs(dy) + size), GAP * EPS * (abs(vx) + abs(vy))
+    h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
+    t, late, said = face_root(h, rate, bend, e, d, fresh)
+    on, unsure = on_face(t, late, along, v, face, g, INFINITY)
+    deep = not fresh and (h < -e or (size == 0.0 and last >= 0.0 and abs(off) <= CORNER * e))
+    return on and not deep and (said | unsure) == OK, t, late
+
+
+@inlined
+def passes(along: Any, v: Any, face: Any, g: float, left: float, right: float, last: float, end: float) -> Any:
+    """Say whether a ball surely meets no side of a face until ``end``.
+
+    It stays on one side of both lines, or beyond one end, as a parabola leaves its chord by g end^2/8 at most; or it
+    leaves one of the sides and does not turn back.
+    """
+    (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
+    t = end if end < INFINITY else 0.0
+    speed = abs(vx) + abs(vy) + g * t
+    unsure = 2.0 * GAP * EPS * (abs(dx) + abs(dy) + size + long + speed * t)
+    bow = 0.125 * g * t * t + unsure
+    off, rate = ey * dx - ex * dy, ey * vx - ex * vy
+    then = off + (rate + 0.5 * g * ex * t) * t
+    foot = ex * dx + ey * dy
+    thence = foot + (ex * vx + ey * vy - 0.5 * g * ey * t) * t
+    away = max(min(off, then), -max(off, then)) - abs(ex) * bow - unsure - size
+    beside = max(min(foot, thence) - long, -max(foot, thence)) - abs(ey) * bow - unsure
+    sign = 1.0 if last == right else -1.0
+    leaves = min(sign * rate, sign * (rate + 0.5 * g * ex * t)) > 2.0 * GAP * EPS * speed
+    return end < INFINITY and (max(away, beside) > 0.0 or (leaves and (last == left or last == right)))
+
+
+def of_some_face(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, faces: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return the contact with the side of a face that seems to come first, if there is one beyond doubt."""
+    soonest, best = INFINITY, -1.0
+    for i in range(faces):
+        row = behind(rows, WIDTH * i)
+        face = row[EX], row[EY], row[SIZE], row[LONG]
+        along = x - row[PX], y - row[PY]
+        t, surface, stuck = guess(along, (vx, vy), face, g, 2.0 * i, 2.0 * i + 1.0, 1.0 * last)
+        if stuck:
+            return ended(found, last, 0.0, STUCK)
+        if t < soonest:
+            soonest, best = t, surface
+    if best < 0.0:
+        return found
+    row = behind(rows, WIDTH * (int(best) // 2))
+    along, face = (x - row[PX], y - row[PY]), (row[EX], row[EY], row[SIZE], row[LONG])
+    sure, t, late = met_side(along, (vx, vy), face, g, best, 1.0 * last)
+    return nearer(found, int(best), row[OWNER], t, late) if sure else found
+
+
+def of_other_faces(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, faces: int, circles: int,
+    rows: Any,
+) -> Any:  # fmt: skip
+    """Return the first contact with any face, or what was found before that; ``slid``: it slid off what it left."""
+    for i in range(faces):
+        if slid and last >= 0 and last // 2 == i:  # it has no radius, and is beyond its end
+            continue
+        row = behind(rows, WIDTH * i)
+        along, face = (x - row[PX], y - row[PY]), (row[EX], row[EY], row[SIZE], row[LONG])
+        end, left = found[1] + found[2], 2.0 * i
+        if found[0] // 2 == i or passes(along, (vx, vy), face, g, left, left + 1.0, 1.0 * last, end):
+            continue
+        if not found[4] & STOP:
+            found = of_face(found, x, y, vx, vy, g, last, slid, i, faces, circles, rows)
+    return found
+
+
+@inlined
+def of_face(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, i: int, faces: int,
+    circles: int, rows: Any,
+) -> Any:  # fmt: skip
+    """Return the first contact with a face, or what was found before that.
+
+    A ball without a radius that has just left something where a face begins is on the line of that face: it is on the
+    side on which the body of the other one is.
+    """
+    row = behind(rows, WIDTH * i)
+    dx, dy, ex, ey, size = x - row[PX], y - row[PY], row[EX], row[EY], row[SIZE]
+    off = ey * dx - ex * dy  # along the right normal
+    e, d = GAP * EPS * (abs(dx) + abs(dy) + size), GAP * EPS * (abs(vx) + abs(vy))
+    if last // 2 != i and inside_face(off, ex * dx + ey * dy, size, row[LONG], e):
+        return ended(found, 2 * i, 0.0, INSIDE_WALL)
+    corner, way = False, 0.0
+    if size == 0.0 and last >= 0 and abs(off) <= CORNER * e and last // 2 != i:
+        corner, way = face_corner(row, x, y, vx, vy, body_of(last, faces, circles, rows))
+    for side in range(2):
+        sign, surface = 2.0 * side - 1.0, 2 * i + side
+        if size == 0.0 and last == 2 * i + 1 - side:
+            continue  # both sides are one line, and it leaves that from the other one
+        if (corner and sign * way < 0.0) or (slid and beside_face(row, sign, x, y, vx, vy)):
+            continue
+        h, rate, k = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
+        t, late, said = face_crossing(max(sign * off, 0.0) if corner else h, rate, k, e, d, last == surface)
+        if said & STUCK:
+            return ended(found, surface, 0.0, said)
+        face = ex, ey, size, row[LONG]
+        on, unsure = on_face(t, late, (dx, dy), (vx, vy), face, g, found[1] + found[2])
+        if on:
+            found = nearer(found, surface, row[OWNER], t, late)
+        found = found[0], found[1], found[2], found[3], found[4] | said | unsure
+    return found

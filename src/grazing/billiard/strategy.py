@@ -1,0 +1,150 @@
+"""A player who looks at the ball: a function is asked where it enters a zone whether to press a button.
+
+A *gate* is the line that a ball crosses when it enters a zone. To the kernels it is a drain: where the ball crosses it
+is found as all contacts are, in flight and on a slide. There a flight ends without an impact, the function is asked,
+and the ball goes on.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from types import MappingProxyType
+from typing import Any
+
+import numpy as np
+
+from grazing.billiard.objects import Thing, drain
+from grazing.billiard.players import HOLD, Flips, Piece, Presses, pieces_of, refuse_others
+from grazing.copies import ByValue
+from grazing.kernel.content import digest
+from grazing.outcome import InputError, UserCodeError, raised, shown
+from grazing.parameter import Parameter
+
+
+@dataclass(frozen=True, eq=False)
+class Strategy(ByValue):
+    """A player who looks at the ball; made by :func:`strategy`."""
+
+    flip: Callable[..., bool]
+    gates: Mapping[str, Any]
+    hold: float
+    drains: tuple[Thing, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        if not callable(self.flip):
+            raise InputError(f"flip is {shown(self.flip)}; give a function flip(state, p) that returns True or False")
+        if not isinstance(self.gates, Mapping) or not self.gates:
+            raise InputError(f"gates is {shown(self.gates)}; give a line ((x1, y1), (x2, y2)) by the flipper's name")
+        object.__setattr__(self, "gates", MappingProxyType(dict(self.gates)))
+        object.__setattr__(self, "hold", HOLD.check(self.hold))
+        if not self.hold > 0.0:
+            raise InputError("hold = 0; give for how long a button is pressed, > 0")
+        lines = []
+        for name, line in self.gates.items():
+            try:
+                start, stop = line
+            except Exception:  # of whatever object was given
+                raise InputError(
+                    f"the gate of {shown(name)} is {shown(line)}; give its ends ((x1, y1), (x2, y2))"
+                ) from None
+            lines.append(drain(f"gate_of_{name}", start, stop))
+        object.__setattr__(self, "drains", tuple(lines))
+
+    def __reduce__(self) -> Any:
+        return Strategy, (self.flip, dict(self.gates), self.hold)
+
+    @property
+    def params(self) -> dict[str, float]:
+        """Nothing: its numbers are no parameters."""
+        return {}
+
+    @property
+    def times(self) -> Mapping[str, tuple[float, ...]]:
+        """Nothing is known before a ball flies."""
+        return MappingProxyType({})
+
+    def gate_of(self, number: int) -> str:
+        """Return the name of the flipper of a gate."""
+        return list(self.gates)[number]
+
+    @property
+    def config(self) -> str:
+        """What decides a result: the function by content, the gates and how long buttons are pressed."""
+        return f"{digest(self.flip)[:16]} {dict(self.gates)!r} {self.hold!r}"
+
+    def bound(self, names: Sequence[str]) -> Strategy:
+        """Return the player of these flippers."""
+        refuse_others(self.gates, names, "gates")
+        return self
+
+    def describe(self, _name: str) -> Parameter | None:
+        """Return nothing."""
+        return None
+
+    def at(self, _params: Mapping[str, float]) -> Strategy:
+        """Return the player."""
+        return self
+
+    def motion(self, _name: str, shape: Mapping[str, float], _params: Mapping[str, float]) -> tuple[float, list[Piece]]:
+        """Return the motion of a flipper whose button was never pressed."""
+        return 0.0, pieces_of(shape, ())
+
+    def asked(self, state: tuple[float, ...], params: Mapping[str, float]) -> bool:
+        """Ask the function; raise UserCodeError for one that fails, or does not say yes or no."""
+        try:
+            said = self.flip(state, params)
+        except Exception as error:
+            raise UserCodeError(
+                f"the strategy raised {raised(error)} for the ball {shown(state)}; let it return True or False"
+            ) from error
+        if not isinstance(said, (bool, np.bool_)):
+            raise UserCodeError(
+                f"the strategy returned {shown(said)} for the ball {shown(state)}; return True or False"
+            )
+        return bool(said)
+
+
+Player = Flips | Presses | Strategy
+
+
+def strategy(flip: Callable[..., bool], gates: Mapping[str, Any], hold: float) -> Strategy:
+    """Return a player who looks at the ball, and presses a button, or not, where the ball enters a zone.
+
+    A table with it is still a map: what happens is decided by the ball. A gate lies where the zone begins; it is
+    crossed from either side and stops nothing. While a button is pressed nobody asks again.
+
+    Parameters
+    ----------
+    flip : callable
+        ``flip(state, p)`` returns True to press the button: ``state`` (x, y, vx, vy) of the ball's centre at the gate,
+        ``p`` the parameters of the table by name.
+    gates : mapping of names to lines
+        ``((x1, y1), (x2, y2))`` by the flipper's name.
+    hold : float
+        For how long the button is then pressed, > 0.
+
+    Returns
+    -------
+    Strategy
+        For ``player=`` of :func:`grazing.table`; :func:`grazing.trajectory` and :func:`grazing.launches` follow it,
+        from flippers at rest. A trajectory says in ``attrs["presses"]`` what was pressed, as :func:`grazing.presses`
+        takes it.
+
+    Raises
+    ------
+    InputError
+        For no function, no gates, or a line that is none.
+    UserCodeError
+        When it is followed, for a function that raises, or returns anything but True or False.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> L = gz.flipper("L", (1, 1), 1.5, (0.2, 0.1), -0.4, 0.4, gz.newton(0.8), up=14, down=9)
+    >>> player = gz.strategy(lambda state, p: state[0] > 1.5, {"L": ((1, 1.9), (3, 1.9))}, hold=0.2)
+    >>> T = gz.table([L, gz.drain("out", (0, -3), (9, -3))], rho=0.1, tilt=0.5, player=player)
+    >>> gz.trajectory(T, (2.0, 4.0, 0.0, 0.0), until=5.0).attrs["presses"]
+    {'L': [2.9598..., 3.1598...]}
+    """
+    return Strategy(flip, gates, hold)

@@ -1,0 +1,73 @@
+"""The workspace of balls side by side: rows one behind the other, and a record that names where each of them begins."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+#: Balls side by side.
+LANES = 64
+
+
+class Rows(NamedTuple):
+    """Where the rows of a workspace begin, each of LANES numbers."""
+
+    # of the balls: states and the time, the surface just left, which one it is, its impacts
+    X: int
+    Y: int
+    VX: int
+    VY: int
+    CLOCK: int
+    LEFT: int
+    NUMBER: int
+    HITS: int
+    OUTCOME: int
+    # what is found: surface, time, how late that may be, object; whether the ball is in doubt
+    SURFACE: int
+    TIME: int
+    LATE: int
+    WHO: int
+    DOUBT: int
+    LAST: int  # the surface just left, -1 for one of a flipper
+    # of circles: the least part of k, the earliest safe step, of which circle, the one after it, the next circle
+    PART: int
+    STEP: int
+    FIRST: int
+    SECOND: int
+    NEXT: int
+    ONE: int
+    # of pairs of a ball and a circle: which they are, as it is seen from the centre
+    BALL: int
+    CIRCLE: int
+    DX: int
+    DY: int
+    PVX: int
+    PVY: int
+    PSIZE: int
+    PTIME: int
+    PEND: int
+    PEX: int
+    PEY: int
+    PWHO: int
+    # what looks find
+    WHAT: int
+    PLATE: int
+    SAID: int
+    H: int
+    DH: int
+    K: int
+    C3: int
+    REACH: int
+    S: int
+    A: int
+    B: int
+    GOING: int
+    # safe steps: a row for each circle
+    STEPS: int
+
+
+W = Rows(*(LANES * i for i in range(len(Rows._fields))))
+
+
+def room_for(circles: int) -> int:
+    """Return how many numbers a workspace has."""
+    return W.STEPS + LANES * circles

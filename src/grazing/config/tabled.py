@@ -1,0 +1,52 @@
+"""A pinball table in a configuration: which map of it is meant, and what means nothing beside it."""
+
+from __future__ import annotations
+
+import os
+from functools import partial
+from typing import Any
+
+from grazing.catalogue import studies
+from grazing.catalogue.study import COORDINATE
+from grazing.config.own import LONGEST
+from grazing.config.problems import Problem, unknown_key
+from grazing.config.schema import TABLE_MAPS
+from grazing.config.tables import shipped
+from grazing.outcome import shown
+
+
+def usual_map(study: str) -> str | None:
+    """Return the map of a table that a study is of unless one is named; None for one of the table itself."""
+    known = studies().get(study)
+    if known is not None and known.of == "model":
+        return None
+    return "launch" if known is not None and known.varies == COORDINATE else "collision"
+
+
+def with_map(raw: dict[str, Any], folder: str) -> None:
+    """Say which map of a table is meant where none is named, and take a file's place from a folder."""
+    if (kind := usual_map(str(raw.get("study")))) is not None:
+        raw.setdefault("map", kind)
+    if raw["table"] not in shipped() and len(raw["table"]) <= LONGEST:
+        raw["table"] = os.path.realpath(os.path.join(folder, raw["table"]))
+
+
+def beside_table(config: dict[str, Any]) -> Problem | None:
+    """Return what means nothing for a table; or that there is none where one is needed."""
+    study, kind = studies().get(config.get("study", "")), config["map"]
+    if not config.get("table"):
+        if study is None or not study.tables_only:
+            return None
+        return Problem(
+            ("table",), f"missing; {study.name} are of a pinball table: {', '.join(shipped())} or a TOML file"
+        )
+    for key in ("law", "model", "walls", "mass", "base", "stop", "units", "order", "unfold"):
+        if config.get(key) is not None:
+            return Problem((key,), f"the table brings all that is on it; leave the {key} out")
+    if study is not None and study.of == "model":
+        if kind != "stroboscopic":
+            return Problem(("map",), f"map = {shown(kind)}; a {study.name} is of the table itself: leave it out")
+        return None if study.tables else Problem(("table",), f"{study.name} is offered for oscillators only")
+    if kind not in TABLE_MAPS:
+        return Problem(("map",), partial(unknown_key, kind, TABLE_MAPS, f"map = {shown(kind)}"))
+    return None

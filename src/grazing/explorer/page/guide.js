@@ -1,0 +1,74 @@
+// @ts-check
+/** The guide beside the pictures: the steps of the tour with their questions, and the note that a link carries. */
+import { LONGEST_NOTE } from "./state.js";
+import { TOUR } from "./tour.js";
+
+/** @typedef {import("./state.js").State} State */
+/** What the page lends. @typedef {{change: (part: object) => void, present: (shown: Partial<State>) => void, state: () => State}} Page */
+
+const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+/** @param {HTMLElement} element @param {string} text */
+const say = (element, text) => {
+  if (element.textContent !== text) element.textContent = text; // what is said again is read aloud again
+};
+
+/** Begin, turn and end the tour by its buttons, and write the note; returns what shows a state. @param {Page} page */
+export function guided({ change, present, state }) {
+  const visit = (/** @type {number} */ n) => TOUR[n - 1] && present({ ...TOUR[n - 1].state, tour: n });
+  byId("tour").addEventListener("click", () => visit(1));
+  byId("back").addEventListener("click", () => visit(state().tour - 1));
+  byId("next").addEventListener("click", () => visit(state().tour + 1));
+  byId("leave").addEventListener("click", () => change({ tour: 0, answer: 0 }));
+  byId("write").maxLength = LONGEST_NOTE;
+  byId("write").addEventListener("input", () => change({ note: byId("write").value }));
+  const guide = byId("guide"), [back, next] = [byId("back"), byId("next")];
+  /** @type {TOUR[number] | undefined} */
+  let told;
+
+  /** @param {TOUR[number] | undefined} step @param {State} now */
+  function ask(step, { tour, answer }) {
+    const asked = step?.question, box = byId("question");
+    box.hidden = !asked;
+    byId("told").hidden = !asked || !answer;
+    if (!asked || !step) return;
+    if (told !== step) {
+      say(byId("ask"), asked.ask);
+      byId("choices").replaceChildren(...asked.choices.map((text, i) => {
+        const button = document.createElement("button");
+        Object.assign(button, { type: "button", textContent: text });
+        button.addEventListener("click", () => present({ ...step.state, ...asked.shown, tour, answer: i + 1 }));
+        return button;
+      }));
+    }
+    [...byId("choices").children].forEach((button, i) => {
+      const right = Boolean(answer) && i === asked.right, wrong = i === answer - 1 && !right;
+      button.className = right ? "right" : wrong ? "wrong" : "";
+      button.setAttribute("aria-pressed", String(i === answer - 1));
+      say(button, `${right ? "✓ " : wrong ? "✗ " : ""}${asked.choices[i]}`);
+    });
+    say(byId("told"), answer ? asked.told : "");
+  }
+
+  return (/** @type {State} */ now) => {
+    const step = TOUR[now.tour - 1], focused = document.activeElement, left = !step && guide.contains(focused);
+    guide.hidden = !step;
+    if (left) byId("tour").focus();
+    say(byId("note"), now.note);
+    byId("note").hidden = !now.note;
+    if (byId("write") !== focused) byId("write").value = now.note;
+    ask(step, now);
+    told = step;
+    if (!step) return;
+    say(byId("guide-title"), `${now.tour} of ${TOUR.length}: ${step.title}`);
+    say(byId("guide-text"), step.text);
+    const [href, text] = step.link ?? ["", ""];
+    byId("guide-link").hidden = !href;
+    byId("guide-link").href = href;
+    say(byId("guide-link"), text);
+    back.disabled = now.tour === 1;
+    next.disabled = now.tour === TOUR.length;
+    // a button that is switched off loses the focus: the other one takes it
+    if (focused === next && next.disabled) back.focus();
+    if (focused === back && back.disabled) next.focus();
+  };
+}

@@ -1,0 +1,205 @@
+"""Launches of a ball on a table, as kernels take them: one by one, or side by side, one in the place of another."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from math import pi
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from grazing.billiard.contact import next_impact
+from grazing.billiard.hit import way_at
+from grazing.billiard.packed import impact_of, padded_contacts
+from grazing.billiard.rows import CIRCLES, THINGS
+from grazing.billiard.workspace import LANES, W, room_for
+from grazing.kernel.compile import compiled
+from grazing.kernel.elementary import sincos
+from grazing.kernel.primitives import inlined, numbers, numbers_at
+from grazing.outcome import ESCAPED, FATAL, OK, TOO_MANY_IMPACTS
+
+NAN = float("nan")
+#: Angles beyond which the sines of kernels are not meant.
+FAR = 1e5
+#: Impacts of each ball in one call of the kernel, in which nothing stops it.
+ROUNDS = 10_000
+
+
+class Launch(NamedTuple):
+    """What a kernel needs of a launch: where the block of a table lies, the ball, and most impacts."""
+
+    block: Any
+    x: float
+    y: float
+    hits: float
+
+
+@inlined
+def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> Any:
+    """Return (way, hits, time, outcome): how a ball leaves, by the number of the drain, the last one being *away*."""
+    left, t, outcome = -1.0, 0.0, OK
+    for hits in range(most + 1):
+        (_surface, owner, length, flags, on), _before, after, _speeds = next_impact(x, y, vx, vy, left, t, table)
+        outcome |= flags
+        t += length
+        if flags & FATAL:
+            return -1, hits, t, outcome
+        if flags & ESCAPED:
+            return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
+        left, (x, y, vx, vy) = on, after
+    return -1, most, t, outcome | TOO_MANY_IMPACTS
+
+
+@inlined
+def stays(angle: float, speed: float, table: Any) -> int:
+    """Return the number of the way out in which a ball rests in this state; -1 if it is one of a launch."""
+    way = way_at(angle, table)
+    return way if speed == 0.0 and way >= 0 and way == angle else -1
+
+
+@inlined
+def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
+    """Return (state, letter, outcome) of a launch: the way out, and the ball at rest there."""
+    angle, speed = state
+    way = stays(angle, speed, table)
+    if way >= 0:
+        return (1.0 * way, 0.0), way, ESCAPED
+    s, c = heading(angle)
+    way, _hits, _t, outcome = launch(x, y, speed * c, speed * s, most, table)
+    if outcome & FATAL:
+        return (NAN, NAN), 0, outcome
+    return (1.0 * way, 0.0), way, outcome
+
+
+def launched(state: Any, c: Launch) -> Any:
+    """Return (state, letter, outcome) of a launch."""
+    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+
+
+def launched_derived(state: Any, c: Launch) -> Any:
+    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
+    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
+
+
+def plain_launched(state: Any, c: Any) -> Any:
+    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
+    return way_out(state, c.x, c.y, int(c.hits), c.block)
+
+
+def plain_tangent(state: Any, c: Any) -> Any:
+    """Return a launch with its Jacobian as plain Python takes it."""
+    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
+    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
+
+
+def heading(angle: float) -> tuple[float, float]:
+    """Return sine and cosine of an angle, with the bits of a browser; beyond 1e5 whole turns are taken off first."""
+    return sincos(angle if abs(angle) < FAR else angle % (2.0 * pi))
+
+
+def fan(
+    block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
+    outcomes: Any,
+) -> None:  # fmt: skip
+    """Launch a ball at all angles and speeds of two lists."""
+    table = numbers(block)
+    for i in range(len(angles)):
+        s, c = heading(angles[i])
+        for j in range(len(speeds)):
+            vx, vy = speeds[j] * c, speeds[j] * s
+            ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
+
+
+class Found(NamedTuple):
+    """Where a kernel writes what :func:`launch` returns, launch by launch."""
+
+    ways: Any
+    hits: Any
+    times: Any
+    outcomes: Any
+
+
+@inlined
+def begun(w: Any, i: int, number: int, x: float, y: float, angle: float, speed: float) -> None:
+    """Put a launch into a workspace."""
+    s, c = heading(angle)
+    w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = x, y, speed * c, speed * s
+    w[W.CLOCK + i], w[W.LEFT + i], w[W.NUMBER + i], w[W.HITS + i], w[W.OUTCOME + i] = 0.0, -1.0, 1.0 * number, 0.0, 0.0
+
+
+@inlined
+def ended(w: Any, i: int, most: int, table: Any, found: Found) -> bool:
+    """Take a ball over its next impact; write down what becomes of it, if that is the end."""
+    (_surface, owner, length, flags, on), _before, after, _speeds = impact_of(w, i, table)
+    at, hits, t = int(w[W.NUMBER + i]), int(w[W.HITS + i]), w[W.CLOCK + i] + length
+    outcome = int(w[W.OUTCOME + i]) | flags
+    w[W.CLOCK + i], w[W.LEFT + i], w[W.HITS + i], w[W.OUTCOME + i] = t, on, hits + 1.0, 1.0 * outcome
+    w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i] = after
+    if not flags & (FATAL | ESCAPED) and hits < most:
+        return False
+    way = -1
+    if flags & ESCAPED and not flags & FATAL:
+        way = owner if owner >= 0 else int(table[THINGS])
+    if not flags & (FATAL | ESCAPED):
+        outcome |= TOO_MANY_IMPACTS
+    found.ways[at], found.hits[at], found.times[at], found.outcomes[at] = way, hits, t, outcome
+    return True
+
+
+def fly(
+    w: Any, job: Any, rounds: int, x: float, y: float, most: int, angles: Any, speeds: Any, table: Any, found: Found
+) -> None:  # fmt: skip
+    """Follow launches side by side, as :func:`launch` does each, for so many impacts of a ball at most.
+
+    ``job`` holds how many launches have begun, and how many of them have not ended: those are in the workspace. It is
+    called until there are none.
+    """
+    begin, n = job[0], job[1]
+    for _ in range(rounds):
+        while n < LANES and begin < len(angles):
+            begun(w, n, begin, x, y, angles[begin], speeds[begin])
+            begin, n = begin + 1, n + 1
+        if n == 0:
+            break
+        padded_contacts(w, n, table)
+        for i in range(n - 1, -1, -1):
+            if ended(w, i, most, table, found):
+                n -= 1
+                for row in range(W.X, W.SURFACE, LANES):  # the last one takes its place
+                    w[row + i] = w[row + n]
+    job[0], job[1] = begin, n
+
+
+@lru_cache(maxsize=1)
+def launcher() -> Callable[..., None]:
+    """Compile ``run(block, w, job, rounds, x, y, most, angles, speeds, ways, hits, times, outcomes)``: :func:`fly`."""
+
+    def run(
+        block: Any, w: Any, job: Any, rounds: int, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any,
+        hits: Any, times: Any, outcomes: Any,
+    ) -> None:  # fmt: skip
+        found = Found(ways, hits, times, outcomes)
+        fly(numbers(w), job, rounds, x, y, most, angles, speeds, numbers(block), found)
+
+    return compiled(run)
+
+
+def all_launched(row: Any, lanes: Any, letters: Any, outcomes: Any) -> None:
+    """Take all states of lanes (2, n) one step further, as :func:`way_out` does each."""
+    c, n, m, job = Launch(row[0], row[1], row[2], row[3]), lanes.shape[1], 0, np.zeros(2, np.int64)
+    table, angles, speeds, which = numbers_at(c.block), np.empty(n), np.empty(n), np.empty(n, np.int64)
+    for j in range(n):
+        letters[j], outcomes[j] = stays(lanes[0, j], lanes[1, j], table), ESCAPED
+        if letters[j] < 0:
+            angles[m], speeds[m], which[m] = lanes[0, j], lanes[1, j], j
+            m += 1
+    w = np.empty(room_for(int(table[CIRCLES])))
+    found = Found(np.empty(n, np.int64), np.empty(n, np.int64), np.empty(n), np.empty(n, np.int64))
+    while job[0] < m or job[1] > 0:
+        fly(numbers(w), job, ROUNDS, c.x, c.y, int(c.hits), angles[:m], speeds[:m], table, found)
+    for k in range(m):
+        j, way, outcomes[which[k]] = which[k], found.ways[k], found.outcomes[k]
+        lost = found.outcomes[k] & FATAL
+        lanes[0, j], lanes[1, j], letters[j] = (NAN, NAN, 0) if lost else (1.0 * way, 0.0, way)

@@ -1,0 +1,105 @@
+"""Launches on a pinball table: through which drain each leaves, after how many impacts, and when."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.colors import to_rgba_array
+
+from grazing.catalogue.words import share
+from grazing.plot.classes import attractor_colours, legend_beside, patch
+from grazing.plot.drawn import inline
+from grazing.plot.expected import choice, expect
+from grazing.plot.provenance import provenance_of
+from grazing.plot.raster import edges_of, ordered, raster
+from grazing.plot.style import axes, root, styled, symbol
+
+#: What can be drawn.
+BY = "exit", "hits", "time"
+#: Ways out of a legend; rarer ones are summed up.
+LISTED = 14
+
+
+@inline
+def launches(
+    result: Any, ax: Axes | None = None, *, by: str = "exit", legend: bool | None = None
+) -> dict[str, Any]:  # fmt: skip
+    """Draw launches over angle and speed; those of one angle or one speed as points above the other.
+
+    Parameters
+    ----------
+    result : xarray.Dataset
+        From :func:`grazing.launches`.
+    ax : matplotlib Axes, optional
+        Default: a new figure between one and two columns wide.
+    by : {"exit", "hits", "time"}
+        What the colour says: the way out; impacts before, or the time when the ball leaves, the *lifetime*, on
+        a logarithmic scale, white for a ball that stays. Points of a line have the colours of ways out, and are that
+        high, the time unless ``by="hits"``.
+    legend : bool, optional
+        Whether a legend of the ways out stands beside it, None for one in a figure of its own only.
+
+    Returns
+    -------
+    dict
+        ``image`` or ``points``, ``colours`` (way out to colour), ``legend``, ``bar``, ``provenance``, ``figure``.
+
+    Raises
+    ------
+    InputError
+        For another kind of result.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> drains = [gz.drain("short", (0, -1), (3, -1)), gz.drain("far", (3, -1), (9, -1))]
+    >>> found = gz.launches(gz.table(drains, tilt=0.5), (0.5, 0.0), [0.6, 0.7], [0.5, 1.5])
+    >>> sorted(gz.plot.launches(found)["colours"])
+    ['far', 'short']
+    """
+    both = "angle", "speed"
+    expect(result, "launches", {"exit": both, "hits": both, "time": both})
+    by = choice(by, "by", BY)
+    (x, i), (y, j) = (ordered(result[name].values) for name in both)
+    ways, hits, times = (result[name].values[np.ix_(i, j)] for name in BY)
+    times = np.where(np.isfinite(times) & (ways != ""), times, np.nan)
+    found, index, count = np.unique(ways.ravel(), return_inverse=True, return_counts=True)
+    by_size = np.argsort(-count, kind="stable")
+    names, index = found[by_size].tolist(), np.argsort(by_size)[index].reshape(ways.shape)
+    colours = dict(zip(names, attractor_colours(range(1, len(names) + 1)), strict=True))
+    own = ax is None if legend is None else legend
+    bar = beside = image = points = None
+    with styled():
+        ax = axes(ax, 130.0, 90.0)
+        if 1 in ways.shape:
+            along, name = (y, "speed") if ways.shape[0] == 1 else (x, "angle")
+            high = (hits if by == "hits" else times).ravel()
+            each = [index.ravel() == k for k in range(len(names))]
+            points = [ax.plot(along[here], high[here], ".", ms=3.0, color=colours[way])[0]
+                      for way, here in zip(names, each, strict=True)]  # fmt: skip
+            ax.set_xlabel(symbol(result[name]))
+            ax.set_ylabel("impacts" if by == "hits" else "time")
+        else:
+            edges = edges_of(x, ax.xaxis), edges_of(y, ax.yaxis)
+            if by == "exit":
+                palette = np.round(255.0 * to_rgba_array(list(colours.values()))).astype(np.uint8)
+                image = raster(ax, *edges, palette[index])
+            else:
+                image = raster(ax, *edges, np.log10(np.maximum(hits, 1) if by == "hits" else times))
+                said = "impacts" if by == "hits" else "time"
+                bar = root(ax).colorbar(image, ax=ax, label=rf"$\log_{{10}}$ {said}")
+            ax.set_xlim(edges[0][0], edges[0][-1])
+            ax.set_ylim(edges[1][0], edges[1][-1])
+            ax.set_xlabel(symbol(result["angle"]))
+            ax.set_ylabel(symbol(result["speed"]))
+        if own and bar is None:
+            shares = [share(float((ways == way).mean()), ways.size) for way in names]
+            texts = [f"{way or 'still there'}: {part}" for way, part in zip(names, shares, strict=True)]
+            entries = [patch(colours[way], text) for way, text in zip(names, texts, strict=True)]
+            beside = legend_beside(ax, entries[:LISTED])
+    return {
+        "figure": root(ax), "image": image, "points": points, "colours": colours, "legend": beside, "bar": bar,
+        "provenance": provenance_of(result),
+    }  # fmt: skip

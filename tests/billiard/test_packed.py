@@ -1,0 +1,149 @@
+"""Balls side by side: the bits of balls one by one, whichever share a block, and faces that are surely passed."""
+
+from dataclasses import replace
+from math import cos, pi, sin
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.billiard.faces import passes
+from grazing.billiard.packed import contacts
+from grazing.billiard.rows import CIRCLES
+from grazing.billiard.workspace import LANES, W, room_for
+from grazing.kernel.compile import call, compiled
+from grazing.kernel.lanes import column
+from grazing.kernel.primitives import numbers
+from grazing.maps.collide import Place, collision, timed_collision
+from grazing.maps.launch import ROUNDS, Found, fly, heading, launch, launcher
+from tests.billiard.tables import box, layout, mixed, three_discs
+
+
+def one_by_one(block, x, y, most, angles, speeds, ways, hits, times, outcomes):
+    table = numbers(block)
+    for i in range(len(angles)):
+        s, c = heading(angles[i])
+        ways[i], hits[i], times[i], outcomes[i] = launch(x, y, speeds[i] * c, speeds[i] * s, most, table)
+
+
+def room(n):
+    return np.zeros(n, np.int64), np.zeros(n, np.int64), np.zeros(n), np.zeros(n, np.int64)
+
+
+def classic():
+    table = gz.read_table("classic")
+    player = gz.flips(0.5, 0.15, {"left_flipper": 0.0, "right_flipper": 0.25})
+    return gz.table(table.objects, table.rho, table.g, table.tilt, player)
+
+
+#: Tables, with a launch and how fast: discs, arcs, segments with free ends, drains, flippers, a ball without a radius,
+#: one without gravity.
+TABLES = {
+    "box": (gz.table([*layout(8), *box()], tilt=pi / 2), (0.2, 9.8), (0.5, 2.0)),
+    "mixed": (mixed(0.1), (3.0, 4.5), (1.0, 4.0)),
+    "without a radius": (mixed(0.0), (3.0, 4.5), (1.0, 4.0)),
+    "classic": (classic(), (5.275, 0.7), (14.0, 19.0)),
+    "galton": (gz.read_table("galton"), (0.05, 9.0), (0.1, 1.0)),
+    "level": (three_discs(6.0), (2.9, 1.6), (0.5, 2.0)),
+}
+
+
+@pytest.mark.parametrize("name", TABLES)
+def test_launches_side_by_side_have_the_bits_of_launches_one_by_one(name):
+    table, (x, y), speeds = TABLES[name]
+    block, n, most = table.blocks(table.row())[0], 3 * LANES + 5, 200
+    random = np.random.default_rng(0)
+    angles, fast = random.uniform(0.0, 2.0 * pi, n), random.uniform(*speeds, n)
+    alone, beside = room(n), room(n)
+    call(compiled(one_by_one), block, x, y, most, angles, fast, *alone)
+    w, job, calls = np.zeros(room_for(int(block[CIRCLES]))), np.array([0, 0]), 0
+    while job[0] < n or job[1] > 0:
+        call(launcher(), block, w, job, 50, x, y, most, angles, fast, *beside)  # a few rounds at a time
+        calls += 1
+    assert calls > 1 or alone[1].max() < 50
+    for one, other in zip(alone, beside, strict=True):
+        np.testing.assert_array_equal(one, other)
+    assert len(np.unique(alone[1])) > 3 or len(np.unique(alone[2])) == n  # they differ
+
+
+@pytest.mark.parametrize("n", [2, LANES + 9])
+@pytest.mark.parametrize("name", TABLES)
+def test_steps_from_impact_to_impact_have_the_bits_of_orbits_one_by_one(name, n):
+    """Until all have left, where they can; states that are on no object and those that have left among them."""
+    table, steps, random = TABLES[name][0], 40, np.random.default_rng(1)
+    P = gz.collision_map(table, on="bumper3" if name == "classic" else None)
+    lanes = np.array([random.uniform(low, high, n) for low, high in P.box])
+    lanes[0, : n // 3] += np.linspace(0.0, 60.0, n // 3)
+    block, step = table.blocks(table.row())[0], timed_collision if table.period else collision
+
+    def one_by_one(block, lanes, points, letters, outcomes):
+        for j in range(lanes.shape[1]):
+            state = column(lanes, j, zero)
+            for i in range(points.shape[0]):
+                state, letters[i, j], outcome = step(state, Place(block))
+                outcomes[0, j] |= outcome
+                for k in range(len(zero)):
+                    points[i, k, j] = state[k]
+
+    zero = (0.0,) * P.dimension
+    alone = np.empty((steps, *lanes.shape)), np.empty((steps, n), np.int64), np.zeros((1, n), np.int64)
+    call(compiled(one_by_one), 1.0 * block.ctypes.data, lanes, *alone)
+    bare = replace(P, origin=P.origin.unsettled())
+    for one, other in zip(alone, bare.run(lanes.copy(), 0, steps, records=1), strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_plain_python_has_the_bits_of_the_compiled_kernel():
+    table, (x, y), speeds = TABLES["box"]
+    block, n = table.blocks(table.row(), "python")[0], 9
+    angles, fast = np.linspace(0.1, 6.0, n), np.linspace(*speeds, n)
+    plain, compiled_ones, job = room(n), room(n), np.array([0, 0])
+    fly(np.zeros(room_for(int(block[CIRCLES]))), job, 20, x, y, 8, angles, fast, block, Found(*plain))
+    block, job = table.blocks(table.row())[0], np.array([0, 0])
+    w = np.zeros(room_for(int(block[CIRCLES])))
+    call(launcher(), block, w, job, ROUNDS, x, y, 8, angles, fast, *compiled_ones)
+    for one, other in zip(plain, compiled_ones, strict=True):
+        np.testing.assert_array_equal(one, other)
+
+
+def test_few_balls_are_in_doubt_but_those_that_graze():
+    """All but those that touch a disc within rounding are decided side by side."""
+    table = gz.table([gz.disc("A", (5.0, 5.0), 1.0, gz.newton(1.0)), *box(20.0, 20.0)])
+    block = table.blocks(table.row())[0]
+
+    def look(block, w):
+        contacts(numbers(w), LANES, numbers(block))
+
+    w = np.zeros(room_for(int(block[CIRCLES])))
+    height = np.concatenate([1.0 + np.geomspace(1e-12, 1.0, 31), [1.0], 1.0 - np.geomspace(1e-12, 0.9, 32)])
+    w[W.X : W.X + LANES], w[W.Y : W.Y + LANES] = 15.0, 5.0 + height
+    w[W.VX : W.VX + LANES], w[W.LEFT : W.LEFT + LANES] = -1.0, -1.0
+    call(compiled(look), block, w)
+    doubt, surface = w[W.DOUBT : W.DOUBT + LANES], w[W.SURFACE : W.SURFACE + LANES]
+    assert doubt[31] == 1.0 and doubt.sum() == 1.0
+    assert len(set(surface[:31])) == len(set(surface[32:])) == 1 and surface[0] != surface[-1]
+
+
+def test_a_face_that_is_passed_is_not_met():
+    """Against places along the flight: the ball stays farther from the face than it is wide."""
+    random, passed = np.random.default_rng(3), 0
+    for _ in range(2000):
+        dx, dy, vx, vy = random.normal(size=4)
+        turn, size, long, g = (
+            random.uniform(0, 2 * pi),
+            random.choice([0.0, 0.2]),
+            random.uniform(0.1, 2),
+            random.choice([0, 1.0]),
+        )
+        ex, ey, end = cos(turn), sin(turn), random.choice([0.1, 1.0, 3.0])
+        if not passes((dx, dy), (vx, vy), (ex, ey, size, long), g, 0.0, 1.0, -1.0, end):
+            continue
+        t = np.linspace(0.0, end, 400)
+        x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t
+        foot, off = ex * x + ey * y, ey * x - ex * y
+        between = (foot >= 0.0) & (foot <= long)
+        assert not (between & (abs(off) <= size)).any()
+        turns = np.flatnonzero(np.diff(np.sign(off)) != 0)
+        assert not between[turns].any() or not between[turns + 1].any()
+        passed += 1
+    assert 500 < passed < 2000

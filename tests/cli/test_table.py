@@ -1,0 +1,127 @@
+"""Pinball tables in the shell: drawn, played, launched, and studied like any map."""
+
+import json
+import shlex
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import grazing as gz
+from grazing.cli import main
+from grazing.config import command_of, load_config, recipe_of, result_of
+
+BALL = ["x=5.275", "y=0.7", "vx=0", "vy=17"]
+OWN = """
+rho = 0.1
+tilt = 0.4
+plunger = { x = 0.5, y = 3.0, angle = 0.4, slow = 0.1, fast = 0.9 }
+presses = { L = [0.5, 0.9] }
+[objects]
+L = { kind = "flipper", x = 3.0, y = 0.5, length = 1.0, hub = 0.2, tip = 0.1, rest = -0.4, raised = 0.4, up = 9.0,
+      down = 5.0, law = "newton", r = 0.8 }
+post = { kind = "disc", x = 2.0, y = 1.5, radius = 0.2, law = "active", r = 0.9, V = 0.4 }
+left = { kind = "drain", x1 = -30.0, y1 = -1.0, x2 = 2.0, y2 = -1.0 }
+right = { kind = "drain", x1 = 2.0, y1 = -1.0, x2 = 40.0, y2 = -1.0 }
+""".replace(",\n     ", ",")
+
+
+@pytest.fixture(autouse=True)
+def folder(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("COLUMNS", "100")
+    (tmp_path / "own.toml").write_text(OWN)
+    return tmp_path
+
+
+def said(capsys, *tokens, code=0):
+    assert main(list(tokens)) == code
+    out, err = capsys.readouterr()
+    return err if code else out
+
+
+def test_a_table_is_told_and_drawn(capsys, folder):
+    out = said(capsys, "table", "own.toml", "post.V=0.7", "-o", "t.png")
+    assert "post   disc     active(r=0.9, V=0.7)" in out and "speeds 0.1 to 0.9" in out
+    said_inside = gz.plot.provenance(folder / "t.png")["provenance"]
+    assert said_inside["grazing_table"] == "own.toml" and said_inside["grazing_changed"] == {"post.V": 0.7}
+    found = json.loads(said(capsys, "table", "classic", "--json"))
+    assert [one["name"] for one in found["objects"]] == list(gz.read_table("classic").names)
+
+
+def test_launches_are_those_of_python_and_can_be_made_again(capsys, folder):
+    tokens = ["launches", "--table", "own.toml", "angle=0.1:1:7", "speed=0.2,0.8", "post.V=0.7", "--json", "-o", "l.nc"]
+    found = json.loads(said(capsys, *tokens, "-o", "l.png", "-o", "l.csv"))
+    table = gz.read_table("own.toml").replace(**{"post.V": 0.7})
+    truth = gz.launches(table, None, np.linspace(0.1, 1.0, 7), [0.2, 0.8])
+    seen = gz.load("l.nc")
+    assert seen.exit.values.tolist() == truth.exit.values.tolist() and seen.time.equals(truth.time)
+    assert {row["exit"]: row["share"] for row in found["found"]["ways"]} == {
+        name: (truth.exit.values == name).mean() for name in np.unique(truth.exit.values)
+    }
+    recipe = recipe_of(seen.attrs)
+    again = result_of(recipe)
+    assert again.exit.equals(seen.exit) and command_of(recipe) == command_of(recipe_of(again.attrs))
+    said(capsys, *shlex.split(command_of(recipe, ["m.nc"]))[1:])
+    assert gz.load("m.nc").time.equals(seen.time)
+    for by in ("exit", "hits", "time"):
+        said(capsys, "plot", "l.nc", "-o", "by.png", "--style", f"by={by}")
+    assert json.loads(said(capsys, "launches", "--table", "own.toml", "--json"))["sizes"] == {"angle": 1, "speed": 200}
+
+
+def test_a_ball_is_played_to_a_figure_and_a_film(capsys, folder):
+    said(capsys, "trajectory", "--table", "own.toml", "x=0.5", "y=3", "vx=0.8", "vy=0", "--until", "9", "-o", "a.gif",
+         "-o", "a.png", "-o", "a.nc", "-q")  # fmt: skip
+    with Image.open(folder / "a.gif") as film:
+        assert film.n_frames > 20
+    truth = gz.trajectory(gz.read_table("own.toml"), (0.5, 3.0, 0.8, 0.0), until=9.0)  # with the recording in the file
+    seen = gz.load("a.nc")
+    assert seen.x.equals(truth.x) and seen.impact_wall.values.tolist() == truth.impact_wall.values.tolist()
+    said(capsys, "plot", "a.nc", "-o", "b.png")
+    out = said(capsys, "trajectory", "--table", "classic", *BALL, "--until", "60", "-q")
+    assert "left by" in out and "certified" in out
+    assert "films are of a ball on a table" in said(capsys, "trajectory", "u=0.1", "v=0", "-o", "c.gif", "-q", code=2)
+
+
+def test_studies_of_maps_take_a_table(capsys, folder):
+    out = said(capsys, "basins", "--table", "own.toml", "angle=0.1:1:9", "speed=0.8", "--transient", "1", "--keep", "4")
+    assert "(left)" in out or "(right)" in out
+    tokens = "bumper.V=0.1:0.9:3 --starts 2 --transient 20 --keep 4 -q -o d.nc".split()
+    said(capsys, "diagram", "--table", "one_bumper", *tokens)
+    assert recipe_of(gz.load("d.nc").attrs)["map"] == "collision"
+    assert gz.load("d.nc").sizes["bumper.V"] == 3
+    text = 'study = "launches"\ntable = "own.toml"\n[parameters]\npost.V = 0.7\n[vary]\nspeed = "0.2:0.8:3"\n'
+    (folder / "deep").mkdir()
+    (folder / "deep" / "own.toml").write_text(OWN)
+    (folder / "deep" / "config.toml").write_text(text)  # a file beside the one that names it
+    recipe = load_config("deep/config.toml")
+    assert recipe["parameters"]["post.V"] == 0.7 and recipe["table"] == str((folder / "deep" / "own.toml").resolve())
+    assert "launches from (0.5, 3)" in said(capsys, "launches", "--config", "deep/config.toml", "-q")
+
+
+@pytest.mark.parametrize(
+    ("tokens", "words"),
+    [
+        (["launches", "--table", "none.toml"], "there is no file"),
+        (["launches", "angle=1:2:3"], "--table: missing; launches are of a pinball table: classic"),
+        (["launches", "--table", "classic", "--law", "active"], "the table brings all that is on it"),
+        (["launches", "--table", "classic", "bumper1.V=-3"], "bumper1.V = -3; allowed is"),
+        (["launches", "--table", "classic", "bumper9.V=3"], "unknown parameter; did you mean"),
+        (["launches", "--table", "classic", "place=1:2:3"], "unknown coordinate; allowed are angle, speed"),
+        (["launches", "--table", "classic", "--map", "collision"], "launches need a map of launches"),
+        (["basins", "--table", "classic", "--map", "impact"], "allowed are collision, launch"),
+        (["basins", "--map", "launch"], "map = 'launch'; allowed are stroboscopic"),
+        (["windows", "--table", "classic", "rho=0.1:0.2", "--N", "3"], "windows is offered for oscillators only"),
+        (["response", "--table", "classic", "rho=0.1:0.2:3"], "a response is that of an oscillator"),
+        (["trajectory", "--table", "classic", *BALL, "--until", "-3"], "until"),
+        (["trajectory", "--table", "classic", *BALL[:3]], "the initial state lacks vy"),
+        (["basins", "--table", "own.toml", "--map", "collision"], "worked by a recording"),
+        (["table", "own.toml", "post.V"], "is not NAME=VALUE"),
+        (["table", "own.toml", "post.W=1"], "unknown parameter; did you mean 'post."),
+        (["table", "own.toml", "post.V=much"], "is no number"),
+        (["table", "clasic"], "tables that ship are classic"),
+    ],
+)
+def test_what_means_nothing_is_refused(capsys, tokens, words):
+    err = said(capsys, *tokens, code=2)
+    assert words in err and "Traceback" not in err
