@@ -212,6 +212,24 @@ def test_errors_are_no_smaller_than_what_is_missed(q):
     assert missed <= error < 1e-10 * (1.0 + abs(float(true)))
 
 
+def test_no_unit_matters():
+    """Lengths 2^4 times as large and times 2^12: derivatives were off by 1e3, beyond their errors."""
+    alpha, k, omega, d = 3.1337865890975474, 1.1611922187733168, 1.2989572466333672, 0.13593608661306172
+
+    def model(length, time):
+        force = length / time**2
+        forcing = gz.Forcing(omega=omega / time, offset=d * force, cos=(force,))
+        law = gz.triggered(r=0.919187898419003, V=0.0, trigger=0.1 * length / time)
+        return gz.Oscillator(alpha=alpha / time, k=k / time, forcing=forcing, reset=law)
+
+    far = 2.0**4, 2.0**12
+    one, other = (sensitivity(model(*units), "omega", 1) for units in ((1.0, 1.0), far))
+    units = [far[0] ** length * far[1] ** -rate for length, rate in map(degrees, one.parameter.values.tolist())]
+    moved, error = (table.values * units * far[1] for table in (other.derivative, other.error))
+    assert one.sizes == other.sizes and one.sizes["window"] > 0
+    assert (np.abs(one.derivative.values - moved) <= one.error.values + error).all()
+
+
 def test_bad_input():
     with pytest.raises(gz.InputError, match="unknown parameter 'D'"):
         sensitivity(gz.pinball(), "D")

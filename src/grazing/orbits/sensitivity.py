@@ -224,7 +224,7 @@ class Edge:
 
     def slopes(self, x: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the derivatives (equations, variables) of the equations at x, their errors, and the values there."""
-        values, scale = self.evaluated(x[None])[0, self.columns], np.maximum(np.abs(x), 1.0)
+        values, scale = self.evaluated(x[None])[0, self.columns], np.maximum(np.abs(x), self.natural(x))
         moving = np.zeros(len(x))
         moving[self.own] = scale[self.own]  # in others equations may end or jump, as those of rest do in r and V
         loud = noise(lambda shifts: self.evaluated(x + shifts)[:, self.columns], values, moving)
@@ -245,6 +245,15 @@ class Edge:
                 if np.isfinite(errors[:, j]).all():
                     break
         return slopes, errors, values
+
+    def natural(self, x: Floats) -> Floats:
+        """Return the sizes that variables near 0 count as, from the force and the frequency: no unit matters."""
+        row, m = x[2:], self.family.harmonics
+        rate, sigma = float(row[OMEGA]), 5 + 2 * m
+        force = float(np.abs(row[4:sigma]).sum() + row[1] ** 2 * abs(row[sigma])) or 1.0
+        height, speed = force / rate**2, force / rate
+        times = [1.0, 1.0 / rate, rate, rate, rate, 1.0 / rate]
+        return np.array([*times, *[force] * (1 + 2 * m), height, 1.0, speed, speed])
 
     def evaluated(self, rows: Floats) -> Floats:
         """Return what the equations need at variables (n, 2 + parameters), shape (n, COLUMNS)."""
