@@ -90,6 +90,7 @@ export class Diagram {
   /** @type {Spec | null} what was asked for while a first picture was under way */ #wanted = null;
   /** @type {ImageData | null} */ #pixels = null;
   #asked = 0;
+  /** @type {(() => void) | undefined} told when the picture has been drawn */ drew = undefined;
   /** Milliseconds that pictures computed in the page have taken lately; less while none is, so that it is tried again. */
   #took = 0;
 
@@ -345,5 +346,6 @@ export class Diagram {
     axes.frame(spec.labels[0], spec.labels[1]);
     this.gestures.draw(c);
     this.axes.canvas.dataset.stage = this.stage;
+    this.drew?.();
   }
 }

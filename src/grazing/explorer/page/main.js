@@ -10,6 +10,7 @@ import { GapView } from "./gap.js";
 import { guided } from "./guide.js";
 import { load } from "./load.js";
 import { panel } from "./panel.js";
+import { Pinned } from "./pinned.js";
 import { PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
@@ -42,6 +43,8 @@ let state = structuredClone(DEFAULTS), home = structuredClone(DEFAULTS), schedul
 let pool = null;
 /** @type {((state: State) => void) | undefined} */
 let guide;
+/** @type {Pinned | undefined} */
+let pinned;
 /** The address as the page wrote or read it. */
 let linked = "";
 /** What makes another scene. */
@@ -162,6 +165,7 @@ function render() {
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);
   const view = current();
+  pinned?.show(comparable());
   $("summary").hidden = !view;
   if (!view && problems.has("kernels")) return;
   if (!view) {
@@ -249,14 +253,21 @@ function present(shown) {
 /** What is shown is another thing: the ball does not go on in it. */
 const anew = () => ball && (ball.key = undefined);
 
+/** The diagram on screen that can be kept to compare. */
+const comparable = () => (state.view === "gap" || state.view === "oscillator" ? current()?.diagram : undefined);
+
 /** Show all of every axis. */
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
 
-function build() {
+/** @param {Record<string, import("./machine.js").Module>} described */
+function build(described) {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
+  const pin = (pinned = new Pinned($("pin")));
+  for (const view of [views.gap, views.oscillator]) if (view?.diagram) view.diagram.drew = () => pin.show(comparable());
+  $("pin").addEventListener("click", () => pin.turn(comparable(), described[state.view === "gap" ? "gap" : "oscillator"]?.fields ?? []));
   guide = guided({ change, present, state: () => state });
   $("problem").lastElementChild.addEventListener("click", () => {
     problems.clear();
@@ -329,7 +340,7 @@ async function begin() {
     views.ball = ball = new BallView(machines.oscillator, described, events, pool);
   }
   if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
-  build();
+  build(described.modules);
   read(location.hash);
   // for tests and for the curious: what is on screen
   Object.assign(globalThis, { explorer: { views, state: () => state, link: () => toFragment(state), texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });

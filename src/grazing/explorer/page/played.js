@@ -48,6 +48,8 @@ export class Played {
 
   /** @param {Machine} machine @param {Record<string, number>} layout @param {Table} table @param {Bits} bits */
   constructor(machine, layout, table, bits) {
+    /** The objects as they are now: discs may be moved. */
+    this.things = table.objects.map((one) => ({ ...one, shape: { ...one.shape } }));
     this.machine = machine;
     this.layout = layout;
     this.table = table;
@@ -99,15 +101,37 @@ export class Played {
     return this.values[this.table.params.indexOf(name)];
   }
 
-  /** Change a number of a law, or the tilt: what does not move a surface. @param {string} name @param {number} value */
+  /** Whether a number can be changed here: those of laws, the tilt and gravity, and where discs stand. @param {Table} table @param {string} name */
+  static canSet({ objects, params }, name) {
+    const [front, last] = name.split("."), one = objects.find((each) => each.name === front);
+    return params.includes(name) && (name === "tilt" || name === "g" || Boolean(one?.law?.params.includes(last)) || (one?.kind === "disc" && (last === "x" || last === "y")));
+  }
+
+  /** Change a number that `canSet` allows. @param {string} name @param {number} value */
   set(name, value) {
-    const { table } = this;
+    const { table } = this, [front, last] = name.split("."), j = this.names.indexOf(front);
+    const moved = this.things[j]?.kind === "disc" && (last === "x" || last === "y");
+    if (moved) this.things[j].shape[last] = value;
     this.values[table.params.indexOf(name)] = value;
     for (const block of [this.block, this.#resting]) {
       block[table.row + table.params.indexOf(name)] = value;
+      if (moved) block[this.#circle(j) + (last === "x" ? this.layout.PX : this.layout.PY)] = value;
       if (name === "tilt" || name === "g") block[this.layout.GRAVITY] = this.machine.call("gravity", { g: this.value("g"), tilt: this.value("tilt") }).result;
     }
     this.changed = this.changed || this.t > 0;
+  }
+
+  /** Where the circle of a disc stands in a block. @param {number} j */
+  #circle(j) {
+    const at = this.layout, first = at.HEAD + at.THING * this.things.length + at.WIDTH * this.block[at.FACES];
+    for (let i = 0; i < this.block[at.CIRCLES]; i++) if (this.block[first + at.WIDTH * i + at.OWNER] === j) return first + at.WIDTH * i;
+    throw new Error(`${this.names[j]} has no circle`);
+  }
+
+  /** Take the ball away. */
+  clear() {
+    this.launch([0, 0, 0, 0]);
+    this.#now[1] = -2;
   }
 
   /** Launch a ball; flippers begin at rest. @param {State} state */

@@ -1,6 +1,7 @@
 // @ts-check
 /** The page of the pinball table: keys and buttons, the clock, words. What is computed is in played.js, by the kernels. */
 import { dark, theme } from "./colours.js";
+import { Edit, hasRoom } from "./edit.js";
 import { Exits } from "./exits.js";
 import { load } from "./load.js";
 import { Played } from "./played.js";
@@ -43,7 +44,9 @@ let parted = [];
 let letters = new Map();
 /** @type {Exits} */
 let exits;
-const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54, bottom: 34 });
+/** @type {Edit} */
+let edit;
+const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54 });
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** @param {string} text */
@@ -64,41 +67,47 @@ const meant = (name) => (name.startsWith("*") ? game.table.params.filter((each) 
 /** Whether a parameter is that of a disc. @param {string} name */
 const kicks_or_hits = (name) => game.table.objects.some((one) => one.kind === "disc" && name.startsWith(`${one.name}.`));
 
-/** Sliders of a rung: words, the symbol, and the ends. @type {Record<string, {words: string, low: number, high: (now: number) => number, unit: string}>} */
+/** Sliders of a rung: words, those for one object, and the ends. @type {Record<string, {words: string, own?: string, low: number, high: (now: number) => number, unit: string}>} */
 const SLIDERS = {
-  "*.V": { words: "Kick of the bumpers V", low: 0, high: (now) => 2 * now || 1, unit: "" },
-  "*.r": { words: "How much speed a bounce keeps r", low: 0, high: () => 1, unit: "" },
+  "*.V": { words: "Kick of the bumpers V", own: "Kick V", low: 0, high: (now) => 2 * now || 1, unit: "" },
+  "*.r": { words: "How much speed a bounce keeps r", own: "Bounce r", low: 0, high: () => 1, unit: "" },
   tilt: { words: "Tilt of the table", low: 0.02, high: (now) => (now > 1 ? Math.PI / 2 : 0.25), unit: "°" },
 };
 
-function sliders() {
-  const form = $("controls");
-  form.replaceChildren();
-  for (const name of rung.sliders) {
-    const { words, low, high, unit } = SLIDERS[name], now = game.value(meant(name)[0]);
-    const label = document.createElement("label"), input = document.createElement("input"), shown = document.createElement("output");
-    const text = () => (unit ? `${((180 / Math.PI) * Number(input.value)).toFixed(1)}${unit}` : Number(input.value).toFixed(2));
-    Object.assign(input, { type: "range", name, min: String(low), max: String(high(now)), step: "any", value: String(now) });
-    label.append(words, shown, input);
-    shown.value = text();
-    input.addEventListener("input", () => {
-      for (const each of meant(name)) game.set(each, Number(input.value));
-      shown.value = text();
-      clearTimeout(asked);
-      asked = window.setTimeout(basins, 200);
-    });
-    form.append(label);
-  }
+/**
+ * A slider that is told in words.
+ * @param {{name: string, words: string, low: number, high: number, value: number, told: (value: number) => string, set: (value: number) => void}} given
+ */
+function slider({ name, words, low, high, value, told: words_of, set }) {
   const label = document.createElement("label"), input = document.createElement("input"), shown = document.createElement("output");
-  Object.assign(input, { type: "range", name: "pace", min: "0.05", max: "1", step: "any", value: String(pace) });
-  label.append("Slow motion", shown, input);
-  const tell = () => (shown.value = pace > 0.995 ? "real time" : `${pace.toFixed(2)} of real time`);
+  Object.assign(input, { type: "range", name, min: String(low), max: String(high), step: "any", value: String(value) });
+  label.append(words, shown, input);
+  shown.value = words_of(value);
   input.addEventListener("input", () => {
-    pace = Number(input.value);
-    tell();
+    set(Number(input.value));
+    shown.value = words_of(Number(input.value));
   });
-  tell();
-  form.append(label);
+  return label;
+}
+
+/** Change numbers of the table, and show what comes of it. @param {string[]} names @param {number} value */
+function turn(names, value) {
+  for (const each of names) game.set(each, value);
+  clearTimeout(asked);
+  asked = window.setTimeout(basins, 200);
+}
+
+/** The sliders of the rung; of a disc that is edited, its own. */
+function sliders() {
+  const one = edit.on ? game.things[edit.chosen] : undefined;
+  const own = one ? (one.law?.params ?? []).map((last) => `*.${last}`).filter((name) => name in SLIDERS) : rung.sliders;
+  const made = own.map((name) => {
+    const names = one ? [one.name + name.slice(1)] : meant(name), { words, own: single, low, high, unit } = SLIDERS[name], value = game.value(names[0]);
+    const told = (/** @type {number} */ x) => (unit ? `${((180 / Math.PI) * x).toFixed(1)}${unit}` : x.toFixed(2));
+    return slider({ name: one ? names[0] : name, words: one ? `${single} of ${letters.get(edit.chosen) ?? one.name.replaceAll("_", " ")}` : words, low, high: high(game.table.values[game.table.params.indexOf(names[0])]), value, told, set: (x) => turn(names, x) });
+  });
+  const told = (/** @type {number} */ x) => (x > 0.995 ? "real time" : `${x.toFixed(2)} of real time`);
+  $("controls").replaceChildren(...made, slider({ name: "pace", words: "Slow motion", low: 0.05, high: 1, value: pace, told, set: (x) => (pace = x) }));
 }
 
 function basins() {
@@ -125,7 +134,11 @@ function choose(name, changes = {}) {
   $("text").textContent = rung.text;
   if (!machine) return;
   game = new Played(machine, layout, tables[rung.table], bits);
-  for (const [key, value] of Object.entries(changes)) if (game.table.params.includes(key)) game.set(key, value);
+  for (const [key, value] of Object.entries(changes)) game.set(key, value);
+  if (game.things.some(({ name: own, shape }, j) => (`${own}.x` in changes || `${own}.y` in changes) && !hasRoom(game, j, shape.x, shape.y))) {
+    problem("In the link a bumper overlaps something. The table is shown as it is built.");
+    return choose(name);
+  }
   const kicked = game.table.objects.map((one, j) => ({ one, j })).filter(({ one }) => one.law?.name === "triggered" || (one.kind === "disc" && (kicks(one) || rung.table === "three_discs")));
   letters = new Map(kicked.slice(0, 26).map(({ j }, i) => [j, String.fromCharCode(65 + i)]));
   for (const button of document.querySelectorAll("[data-press]")) /** @type {HTMLButtonElement} */ (button).hidden = !game.flippers.length;
@@ -133,14 +146,28 @@ function choose(name, changes = {}) {
   parted = [];
   replaying = null;
   exits.chosen = null;
-  sliders();
+  edit.turn(false);
   say("");
   basins();
   draw();
 }
 
+/** A disc was chosen, or editing begins or ends. */
+function edited() {
+  $("edit").setAttribute("aria-pressed", String(edit.on));
+  $("table").classList.toggle("edited", edit.on);
+  if (edit.on) {
+    game.clear();
+    drawing.clear();
+    say(edit.chosen < 0 ? "Drag a bumper; [ and ] choose one by key, arrows move it." : `${game.things[edit.chosen].name.replaceAll("_", " ")}: drag it, or turn its sliders.`);
+  }
+  sliders();
+  draw();
+}
+
 /** Launch a ball. @param {State} state */
 function launch(state) {
+  if (edit.on) edit.turn(false);
   game.launch(state);
   drawing.clear();
   parted = [];
@@ -222,9 +249,9 @@ function heard(hits) {
 /** Tell of a bumper that has just been missed by little: there the next ball may go another way. */
 let missed = "";
 function nearMiss() {
-  const { table } = game;
+  const { table, things } = game;
   for (const [j, letter] of letters) {
-    const one = table.objects[j];
+    const one = things[j];
     if (one.kind !== "disc" || game.hits.at(-1)?.owner === j) continue;
     const off = game.nearest(j), key = `${game.flight.begin} ${j}`;
     if (!(off >= 0 && off < NEAR * one.shape.radius) || key === missed) continue;
@@ -248,7 +275,7 @@ function over() {
 function draw() {
   if (!machine) return;
   const [x, y] = game.table.launch;
-  drawing.draw(game, { letters, aim: game.alive ? null : [x, y], at: before });
+  drawing.draw(game, { letters, aim: game.alive ? null : [x, y], chosen: edit.chosen, at: before });
   if (letters.size) {
     const word = game.hits.map((hit) => letters.get(hit.owner) ?? "").join("").slice(-WORD);
     if ($("word").textContent !== word) $("word").textContent = word;
@@ -312,6 +339,7 @@ async function start() {
       replaying = null;
       launch([x, y, speed * Math.cos(angle), speed * Math.sin(angle)]);
     }, problem);
+    edit = new Edit($("table"), { game: () => game, drawing, chose: edited, moved: () => (turn([], 0), draw()) });
   } catch (error) {
     problem(`The table could not be loaded: ${why(error)}.`);
     return;
@@ -365,6 +393,7 @@ function listen() {
   const touched = /** @type {Map<number, number>} */ (new Map()), canvas = $("table");
   canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
     canvas.focus();
+    if (edit.on) return;
     if (!game.alive) return plunge(0.8);
     const i = event.offsetX < canvas.clientWidth / 2 ? 0 : 1;
     touched.set(event.pointerId, i);
@@ -383,6 +412,7 @@ function listen() {
   $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(0.8)); // by key
   $("pause").addEventListener("click", pause);
   $("fan").addEventListener("click", split);
+  $("edit").addEventListener("click", () => edit.turn(!edit.on));
   $("replay").addEventListener("click", () => replay());
   $("sound").addEventListener("click", () => {
     problem(sound.turn(!sound.on));
@@ -417,5 +447,5 @@ function pause() {
 }
 
 /** For tests: what is shown. */
-Object.assign(window, { pinball: { game: () => game, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, split, letters: () => [...letters.values()], parted: () => parted } });
+Object.assign(window, { pinball: { game: () => game, edit: () => edit, drawing: () => drawing, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, split, letters: () => [...letters.values()], parted: () => parted } });
 start();

@@ -62,8 +62,8 @@ export class TableDraw {
     while (this.trail.length && this.trail[0].t < game.t - TRAIL) this.trail.shift();
   }
 
-  /** @param {Played} game @param {{letters: Map<number, string>, aim: [number, number] | null, at: number}} more letters of objects, where a launch is aimed, and a time in seconds for flashes */
-  draw(game, { letters, aim }) {
+  /** @param {Played} game @param {{letters: Map<number, string>, aim: [number, number] | null, chosen?: number, at: number}} more letters of objects, where a launch is aimed, the object that is edited, and a time in seconds for flashes */
+  draw(game, { letters, aim, chosen = -1 }) {
     const { context: c } = this, { table } = game, colours = theme(), { paper, ink, faint, accent, graze } = colours;
     this.#fit(table.box, table.rho);
     c.fillStyle = paper;
@@ -71,8 +71,8 @@ export class TableDraw {
     c.lineCap = "round";
     c.lineJoin = "round";
     const lit = new Map(game.hits.slice(-40).map((hit) => [hit.owner, 1 - (game.t - hit.t) / FLASH]));
-    const ways = table.objects.filter((one) => one.kind === "drain").map((one) => one.name);
-    table.objects.forEach((one, j) => {
+    const ways = game.things.filter((one) => one.kind === "drain").map((one) => one.name);
+    game.things.forEach((one, j) => {
       const glow = Math.max(0, Math.min(1, lit.get(j) ?? 0)), active = kicks(one);
       c.strokeStyle = active ? graze : faint;
       c.lineWidth = active ? 4 : 3;
@@ -100,6 +100,7 @@ export class TableDraw {
         return;
       }
       c.lineWidth += 4 * glow;
+      if (j === chosen) Object.assign(c, { strokeStyle: accent, lineWidth: 6 });
       c.stroke();
       const letter = letters.get(j);
       if (letter) {

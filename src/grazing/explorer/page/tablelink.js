@@ -1,7 +1,8 @@
 // @ts-check
 /** A game as a link and as a program: the table, what was changed on it, the launch, and what the player did. */
 
-/** @typedef {import("./played.js").Played} Played */
+import { Played } from "./played.js";
+
 /** @typedef {import("./played.js").State} State */
 /** @typedef {{table: string, changes: Record<string, number>, start: State | null, presses: Record<string, number[]>}} Linked */
 
@@ -38,6 +39,7 @@ export function fromLink(hash, tables) {
   for (const [name, text] of given) {
     const flipper = objects.find((one) => one.kind === "flipper" && name === `${one.name}.pressed`);
     if (params.includes(name)) {
+      if (!Played.canSet(tables[table], name)) throw new Error(`${name} cannot be changed on this page`);
       [found.changes[name]] = numbers(text, name);
       if (name.endsWith(".r") && !(found.changes[name] >= 0 && found.changes[name] <= 1)) throw new Error(`${name} is ${text.slice(0, 40)}; it goes from 0 to 1`);
       if (name.endsWith(".V") && !(found.changes[name] >= 0)) throw new Error(`${name} is ${text.slice(0, 40)}; it is 0 or more`);

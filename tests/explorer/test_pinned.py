@@ -1,0 +1,60 @@
+"""A picture that is kept while settings change, above the present one on its scale."""
+
+import pytest
+
+GAP = "version=1&view=gap&lam=0.5&l=0&span=-0.05:0.35&columns=80&bins=60"
+
+
+def test_a_picture_is_kept_above_another_on_one_scale(shown, address):
+    shown.open(f"{address}#{GAP}&theory=no")
+    shown.settle()
+    shown.page.click("#pin")
+    assert shown.page.is_visible("#pinned")
+    shown.settle()
+    kept = shown.page.evaluate("() => document.getElementById('pinned').toDataURL()")
+    shown.page.fill("input[type=number][name=l]", "0.3")
+    shown.until("() => explorer.views.gap.diagram.drawn.row.includes(0.3)")
+    shown.settle()
+    label = shown.page.get_attribute("#pinned", "aria-label")
+    assert "pinned: l = 0" in label
+    size = "id => { const c = document.getElementById(id); return [c.clientWidth, c.clientHeight]; }"
+    sizes = [shown.page.evaluate(size, each) for each in ("pinned", "gap-diagram")]
+    assert sizes[0] == sizes[1]
+    assert (
+        shown.page.evaluate("() => document.getElementById('pinned').toDataURL()") != kept
+    )  # the scale of the new one
+    # zoomed, both show the same part
+    shown.page.evaluate("() => explorer.views.gap.diagram.events.zoom([0.1, 0.2], [-0.3, 0.1])")
+    shown.settle()
+    axes = shown.page.evaluate("() => { const a = explorer.views.gap.diagram.axes; return [a.x0, a.x1]; }")
+    assert axes == [0.1, 0.2]
+    shown.page.click("#pin")
+    assert not shown.page.is_visible("#pinned")
+    assert shown.page.get_attribute("#pin", "aria-pressed") == "false"
+
+
+def test_what_cannot_be_compared_is_not_shown(shown, address):
+    shown.open(f"{address}#{GAP}")
+    shown.settle()
+    shown.page.click("#pin")
+    shown.page.click("[data-view=oscillator]")
+    shown.settle()
+    assert not shown.page.is_visible("#pinned") and shown.page.is_visible("#pin")
+    shown.page.click("[data-view=ball]")
+    shown.until("() => explorer.state().view === 'ball'")
+    assert not shown.page.is_visible("#pin")
+    shown.page.click("[data-view=gap]")
+    shown.settle()
+    assert shown.page.is_visible("#pinned")
+    assert shown.problem() == ""
+
+
+@pytest.mark.parametrize("law", ["newton", "active"])
+def test_laws_that_differ_are_named(shown, address, law):
+    shown.open(f"{address}#version=1&view=oscillator&law={law}&columns=24&bins=20&reduced=no")
+    shown.settle()
+    shown.page.click("#pin")
+    other = {"newton": "active", "active": "newton"}[law]
+    shown.page.select_option(".choice select >> nth=0", other)
+    shown.settle()
+    shown.until(f"() => document.getElementById('pinned').getAttribute('aria-label').includes('{law}')")
