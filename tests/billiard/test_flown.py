@@ -35,7 +35,7 @@ def test_a_ball_on_a_floor_bounces_in_geometric_times_and_rests():
 
 
 def test_a_ball_that_bounces_for_ever_ends_by_name(monkeypatch):
-    monkeypatch.setattr(module, "flights_of", partial(module.flights_of, most=9))
+    monkeypatch.setattr(module, "played_flights", partial(module.played_flights, most=9))
     flown = gz.trajectory(gz.table(box(1.0, 1.0)), (0.3, 0.4, 1.0, 0.5), until=60.0)
     assert flown.outcome == "too many impacts" and flown.sizes["impact"] == 9
 

@@ -72,7 +72,7 @@ def test_what_is_no_double_as_python_writes_it_is_rejected(text):
 
 
 def test_a_certificate_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
-    """A full disk left half of it in the place of the old one; a link was followed, and a pipe waited for."""
+    """A full disk left half of it in the place of the old one; a link was followed, and a pipe waited for or replaced."""
     file, other = tmp_path / "a.json", tmp_path / "other"
     other.write_text("precious")
     write_certificate({"a": 1}, file)
@@ -91,8 +91,13 @@ def test_a_certificate_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
         write_certificate({"a": 2}, tmp_path)
     with pytest.raises(InputError, match="cannot be written"):
         write_certificate({"a": 2}, tmp_path / "nowhere" / "a.json")
-    for put in (lambda: file.symlink_to(other), lambda: os.mkfifo(file) if hasattr(os, "mkfifo") else None):
+    file.unlink()
+    file.symlink_to(other)
+    write_certificate({"a": 1}, file)
+    assert file.read_bytes() == before and other.read_text() == "precious" and not file.is_symlink()
+    if hasattr(os, "mkfifo"):
         file.unlink()
-        put()
-        write_certificate({"a": 1}, file)
-        assert file.read_bytes() == before and other.read_text() == "precious" and not file.is_symlink()
+        os.mkfifo(file)
+        with pytest.raises(InputError, match="is a pipe, which a file would replace"):
+            write_certificate({"a": 1}, file)
+        assert file.is_fifo()

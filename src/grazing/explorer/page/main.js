@@ -184,7 +184,12 @@ function render() {
 /** Put the state into the address. Not at every move of a slider: that costs more than a picture, and browsers allow few. */
 function address() {
   clearTimeout(linking);
-  if (location.hash !== linked) return; // the browser has gone elsewhere in its history, and is about to say so
+  if (location.hash !== linked) {
+    // the browser has gone elsewhere in its history, and is about to say so
+    linked = location.hash;
+    linking = window.setTimeout(address, REST);
+    return;
+  }
   const link = toFragment(state);
   if (link !== location.hash) history[stepped ? "pushState" : "replaceState"](null, "", link);
   linked = location.hash;

@@ -27,6 +27,7 @@ export class Pinned {
     const canvas = document.createElement("canvas");
     Object.assign(canvas, { id: "pinned", hidden: true });
     canvas.setAttribute("role", "img");
+    canvas.setAttribute("aria-label", "The pinned diagram");
     document.body.append(canvas); // until it is put above a diagram
     this.axes = new Axes(canvas);
   }
