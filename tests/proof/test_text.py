@@ -72,7 +72,7 @@ def test_what_is_no_double_as_python_writes_it_is_rejected(text):
 
 
 def test_a_certificate_is_written_whole_or_not_at_all(tmp_path, monkeypatch):
-    """A full disk left half of it in the place of the old one; a link was followed, and a pipe waited for or replaced."""
+    """A full disk left half of it in the place of the old one; links were followed, pipes replaced."""
     file, other = tmp_path / "a.json", tmp_path / "other"
     other.write_text("precious")
     write_certificate({"a": 1}, file)
