@@ -111,8 +111,9 @@ Player = Flips | Presses | Strategy
 def strategy(flip: Callable[..., bool], gates: Mapping[str, Any], hold: float) -> Strategy:
     """Return a player who looks at the ball, and presses a button, or not, where the ball enters a zone.
 
-    A table with it is still a map: what happens is decided by the ball. A gate lies where the zone begins; it is
-    crossed from either side and stops nothing. While a button is pressed nobody asks again.
+    What happens is decided by the ball alone. A gate lies where the zone begins; it is crossed from either side and
+    stops nothing. While a button is pressed nobody asks again. The function is called between flights, so that
+    compiled maps, :func:`grazing.collision_map` and :func:`grazing.launch_map`, refuse a table with it.
 
     Parameters
     ----------
