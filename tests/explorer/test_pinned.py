@@ -58,3 +58,23 @@ def test_laws_that_differ_are_named(shown, address, law):
     shown.page.select_option(".choice select >> nth=0", other)
     shown.settle()
     shown.until(f"() => document.getElementById('pinned').getAttribute('aria-label').includes('{law}')")
+
+
+def test_no_line_is_lost_where_a_picture_is_made_smaller(shown, address):
+    """Where five rows of the kept picture share a pixel, each column still shows the line of its orbit."""
+    shown.open(f"{address}#version=1&view=gap&lam=0.5&l=0.1&span=0.2:0.35&mu=0.3&columns=80&bins=600&theory=no")
+    shown.settle()
+    shown.page.click("#pin")
+    shown.page.evaluate("() => explorer.views.gap.diagram.events.zoom([0.2, 0.35], [-1.5, 1.5])")
+    shown.settle()
+    empty = shown.page.evaluate(
+        """() => {
+          const canvas = document.getElementById("pinned"), { ratio, box } = explorer.views.gap.diagram.axes;
+          const c = canvas.getContext("2d"), [x, y] = [ratio * (box.x + 4), ratio * (box.y + 4)].map(Math.round);
+          const [w, h] = [ratio * (box.w - 8), ratio * (box.h - 8)].map(Math.floor);
+          const { data } = c.getImageData(x, y, w, h), all = many => Array.from({ length: many }, (_, i) => i);
+          const plain = (i, j) => [0, 1, 2].every(k => data[4 * (j * w + i) + k] === data[k]);
+          return all(w).filter(i => all(h).every(j => plain(i, j))).length;
+        }"""
+    )
+    assert empty == 0

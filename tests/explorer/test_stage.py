@@ -211,3 +211,12 @@ def test_on_a_phone_the_words_stand_under_the_picture(browser, address, view):
     )
     context.close()
     assert tops == sorted(tops)
+
+
+def test_the_title_of_a_step_and_its_buttons_share_a_line_before_a_room(browser, address):
+    context, shown = opened(browser, address, "tour", (1920, 1080))
+    shown.page.keyboard.press("p")
+    shown.until("() => document.body.classList.contains('presenting')")
+    top = "id => document.getElementById(id).getBoundingClientRect().top"
+    assert abs(shown.page.evaluate(top, "guide-title") - shown.page.evaluate(top, "next")) < 20
+    context.close()

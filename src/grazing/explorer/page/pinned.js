@@ -9,6 +9,8 @@ import { numeral } from "./state.js";
 /** @typedef {import("./diagram.js").Spec} Spec */
 /** @typedef {{image: HTMLCanvasElement, spec: Spec, fields: import("./machine.js").Field[]}} Kept a picture, what it shows, and what is known of its numbers */
 
+/** Rows of a picture that one pixel shows at most. */
+const MOST = 64;
 /** Numbers of a row that nobody sets. */
 const WITHIN = ["order", "paper"];
 
@@ -57,8 +59,12 @@ export class Pinned {
     if (moves) below.before(canvas);
     const { spec, image } = kept, c = axes.begin();
     axes.span(diagram.axes.x0, diagram.axes.x1, diagram.axes.y0, diagram.axes.y1);
-    const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)];
-    axes.inside(() => c.drawImage(image, left, top, axes.x(spec.span[1]) - left, axes.y(spec.low) - top));
+    const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)], [w, h] = [axes.x(spec.span[1]) - left, axes.y(spec.low) - top];
+    const rows = Math.min(MOST, Math.max(1, Math.ceil(image.height / (h * axes.ratio)))); // of the picture in a pixel: each is drawn, so that no line is lost
+    /** @type {CanvasRenderingContext2D} */ (c).imageSmoothingEnabled = rows === 1;
+    axes.inside(() => {
+      for (let j = 0; j < rows; j++) c.drawImage(image, left, top - (j * h) / image.height, w, h);
+    });
     axes.frame(spec.labels[0], spec.labels[1]);
     const said = differing(kept, now), text = `pinned${said.length ? `: ${said.join(", ")}` : ""}`;
     c.fillStyle = theme().ink;
