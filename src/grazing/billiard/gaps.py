@@ -40,7 +40,7 @@ def lowest(c3: float, a4: float, w: float) -> float:
     if c3 >= 0.0:
         s = 0.0
     elif a4 > 0.0:
-        s = min(-0.5 * c3 / a4, w)
+        s = min(c3 * (-0.5 / a4), w)  # the quotient is the same for all that fall alike
     return (c3 + a4 * s) * s if s < INFINITY else -INFINITY
 
 
@@ -154,9 +154,9 @@ def lands(fresh: bool, near: float, rate: float, up: float, reach: float) -> Any
 
 
 @inlined
-def lateness(e: float, d: float, near: float, rate: float, t: float) -> float:
-    """Return how late a contact may be that is seen from t on."""
-    return (e + d * near) / -rate + 4.0 * EPS * t
+def lateness(error: float, rate: float, t: float) -> float:
+    """Return how late a contact may be that is seen from t on, where the gap comes down at a rate with an error."""
+    return error / -rate + 4.0 * EPS * t
 
 
 @inlined
@@ -182,7 +182,7 @@ def look(
     elif again and ((h < -e and rate >= 0.0) or (rate < 0.0 and up <= 0.0)):
         what, late, t = HIT, t - doubt, doubt  # through and back, by less than can be decided
     elif lands(fresh, near, rate, up, reach):
-        what, late = NEAR, lateness(e, d, near, rate, t)
+        what, late = NEAR, lateness(e + d * near, rate, t)
         if not h > 0.0:
             what = HIT
     elif step >= w and t + w >= end:
@@ -206,9 +206,9 @@ def look(
 
 @inlined
 def glance(dx: float, dy: float, vx: float, vy: float, g: float, size: float, t: float, end: float) -> Any:
-    """Return (what, t, late, doubt) and the polynomial, as :func:`look` does of a circle that was not just left.
+    """Return (what, t, doubt), (h, dh, k, c3, reach) as :func:`look` does, and (error, rate) for :func:`lateness`.
 
-    Where that would look closer, at what touches within rounding, it is in doubt.
+    The circle was not just left. Where it would be looked at closer, as it is touched within rounding, it is in doubt.
     """
     (h, dh, bend, c3), (e, d, finite), (near, rate, up, reach), (w, low, _fall, _k, step) = seen(
         dx, dy, vx, vy, g, size, 1.0, t, False, end
@@ -217,7 +217,7 @@ def glance(dx: float, dy: float, vx: float, vy: float, g: float, size: float, t:
     what = (NEAR if h > 0.0 else HIT) if down else (MISSED if gone else ON)
     on, after = what == ON, t + min(step, w)
     doubt = not finite or (on and (not after > t or low < e))
-    return (what, after if on else t, lateness(e, d, near, rate, t), doubt), (h, dh, bend, c3, reach)
+    return (what, after if on else t, doubt), (h, dh, bend, c3, reach), (e + d * near, rate)
 
 
 def crossing(

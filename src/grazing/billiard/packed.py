@@ -11,7 +11,7 @@ from typing import Any
 
 from grazing.billiard.contact import flight_to, next_impact
 from grazing.billiard.faces import guess, met_side, of_face, passes
-from grazing.billiard.gaps import MISSED, NEAR, ON, ROOTS, first_guess, first_step, glance, lowest, nearer_root
+from grazing.billiard.gaps import MISSED, NEAR, ON, ROOTS, first_guess, first_step, glance, lateness, lowest, nearer_root
 from grazing.billiard.hit import first_turning, rows_of
 from grazing.billiard.march import LEAST, MOST, of_flippers, of_sides
 from grazing.billiard.rows import CIRCLES, EX, EY, FACES, FLIPPERS, GRAVITY, LONG, OWNER, PX, PY, SIDES, SIZE, WIDTH
@@ -123,8 +123,7 @@ def of_some_faces(w: Any, width: int, faces: int, rows: Any, g: float) -> None:
         row = behind(rows, WIDTH * (int(max(w[W.FIRST + i], 0.0)) // 2))
         w[W.DX + i], w[W.DY + i], w[W.PSIZE + i] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
         w[W.PEX + i], w[W.PEY + i], w[W.PEND + i], w[W.PWHO + i] = row[EX], row[EY], row[LONG], row[OWNER]
-    for k in range(width):
-        meet_face(w, eights(k), g)
+    meet_face(w, width, g)
 
 
 @inlined
@@ -158,14 +157,16 @@ def guess_face(w: Any, width: int, f: int, row: Any, g: float) -> None:
 
 
 @inlined
-def meet_face(w: Any, i: int, g: float) -> None:
+def meet_face(w: Any, width: int, g: float) -> None:
     """Take the side of a face that a ball seems to meet first, if there is one and it is met beyond doubt."""
-    along, v = (w[W.DX + i], w[W.DY + i]), (w[W.VX + i], w[W.VY + i])
-    face, side = (w[W.PEX + i], w[W.PEY + i], w[W.PSIZE + i], w[W.PEND + i]), w[W.FIRST + i]
-    sure, t, late = met_side(along, v, face, g, side, w[W.LAST + i])
-    met = sure and side >= 0.0
-    w[W.SURFACE + i], w[W.TIME + i] = side if met else -1.0, t if met else INFINITY
-    w[W.LATE + i], w[W.WHO + i] = late if met else 0.0, w[W.PWHO + i] if met else -1.0
+    for k in range(width):
+        i = eights(k)
+        along, v = (w[W.DX + i], w[W.DY + i]), (w[W.VX + i], w[W.VY + i])
+        face, side = (w[W.PEX + i], w[W.PEY + i], w[W.PSIZE + i], w[W.PEND + i]), w[W.FIRST + i]
+        sure, t, late = met_side(along, v, face, g, side, w[W.LAST + i])
+        met = sure and side >= 0.0
+        w[W.SURFACE + i], w[W.TIME + i] = side if met else -1.0, t if met else INFINITY
+        w[W.LATE + i], w[W.WHO + i] = late if met else 0.0, w[W.PWHO + i] if met else -1.0
 
 
 @inlined
@@ -242,15 +243,15 @@ def nearest(w: Any, width: int, base: int, circles: int, rows: Any, g: float) ->
 def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
     """March to all circles on the list, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
     repeated(w, n, W.BALL, W.DX)
-    for k in range((n + 7) // 8 * 8):
+    padded = (n + 7) // 8 * 8
+    for k in range(padded):
         i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
         row = behind(rows, WIDTH * c)
         w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
         w[W.PVX + k], w[W.PVY + k], w[W.PEND + k] = w[W.VX + i], w[W.VY + i], w[W.END + i]
         w[W.PTIME + k] = w[W.STEPS + LANES * c + i]
-    for b in range(0, n, 8):
-        looked_at(w, b, g)
-    landed(w, (n + 7) // 8 * 8, g)
+    looked_at(w, padded, g)
+    landed(w, padded, g)
     for k in range(n):
         i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
         what, t = w[W.WHAT + k], w[W.PTIME + k]
@@ -260,26 +261,36 @@ def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
 
 
 @inlined
-def looked_at(w: Any, b: int, g: float) -> None:
-    """Look at eight circles until nothing is to be looked at again."""
-    for k in range(8):
-        w[W.WHAT + b + eights(k)], w[W.SAID + b + eights(k)] = 1.0 * ON, 0.0
+def looked_at(w: Any, n: int, g: float) -> None:
+    """Look at circles, eight at a time, until nothing is to be looked at again."""
+    for k in range(n):
+        w[W.WHAT + eights(k)], w[W.SAID + eights(k)] = 1.0 * ON, 0.0
     for _ in range(LOOKS):
-        for k in range(8):
-            i = b + eights(k)
-            begin, on = w[W.PTIME + i], w[W.WHAT + i] == ON
-            (what, t, late, doubt), (h, dh, bend, c3, reach) = glance(
-                w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], begin, w[W.PEND + i]
-            )
-            w[W.PTIME + i] = t if on else begin
-            w[W.PLATE + i] = late if on else w[W.PLATE + i]
-            w[W.H + i], w[W.DH + i] = h if on else w[W.H + i], dh if on else w[W.DH + i]
-            w[W.K + i], w[W.C3 + i] = bend if on else w[W.K + i], c3 if on else w[W.C3 + i]
-            w[W.REACH + i] = reach if on else w[W.REACH + i]
-            w[W.SAID + i] = 1.0 if on and doubt else w[W.SAID + i]
-            w[W.WHAT + i] = 1.0 * what if on else w[W.WHAT + i]
-        if not any_of(w, b, W.WHAT, 1.0 * ON):
+        some = False
+        for b in range(0, n, 8):  # one after the other: a processor then works on several
+            if any_of(w, b, W.WHAT, 1.0 * ON):
+                look_at(w, b, g)
+                some = True
+        if not some:
             break
+
+
+@inlined
+def look_at(w: Any, b: int, g: float) -> None:
+    """Look at eight circles, of which some are to be looked at."""
+    for k in range(8):
+        i = b + eights(k)
+        begin, on = w[W.PTIME + i], w[W.WHAT + i] == ON
+        (what, t, doubt), (h, dh, bend, c3, reach), (error, rate) = glance(
+            w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], begin, w[W.PEND + i]
+        )
+        w[W.PTIME + i] = t if on else begin
+        w[W.PLATE + i], w[W.RATE + i] = error if on else w[W.PLATE + i], rate if on else w[W.RATE + i]
+        w[W.H + i], w[W.DH + i] = h if on else w[W.H + i], dh if on else w[W.DH + i]
+        w[W.K + i], w[W.C3 + i] = bend if on else w[W.K + i], c3 if on else w[W.C3 + i]
+        w[W.REACH + i] = reach if on else w[W.REACH + i]
+        w[W.SAID + i] = 1.0 if on and doubt else w[W.SAID + i]
+        w[W.WHAT + i] = 1.0 * what if on else w[W.WHAT + i]
 
 
 @inlined
@@ -305,7 +316,9 @@ def landed(w: Any, n: int, g: float) -> None:
             break
     for k in range(n):
         i = eights(k)
-        w[W.PTIME + i] += w[W.S + i]
+        begin = w[W.PTIME + i]
+        w[W.PLATE + i] = lateness(w[W.PLATE + i], w[W.RATE + i], begin)
+        w[W.PTIME + i] = begin + w[W.S + i]
 
 
 @inlined

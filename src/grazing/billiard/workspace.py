@@ -57,6 +57,7 @@ class Rows(NamedTuple):
     K: int
     C3: int
     REACH: int
+    RATE: int
     S: int
     A: int
     B: int
