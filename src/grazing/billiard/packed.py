@@ -11,7 +11,18 @@ from typing import Any
 
 from grazing.billiard.contact import flight_to, next_impact
 from grazing.billiard.faces import guess, met_side, of_face, passes
-from grazing.billiard.gaps import MISSED, NEAR, ON, ROOTS, first_guess, first_step, glance, lateness, lowest, nearer_root
+from grazing.billiard.gaps import (
+    MISSED,
+    NEAR,
+    ON,
+    ROOTS,
+    first_guess,
+    first_step,
+    glance,
+    lateness,
+    lowest,
+    nearer_root,
+)
 from grazing.billiard.hit import first_turning, rows_of
 from grazing.billiard.march import LEAST, MOST, of_flippers, of_sides
 from grazing.billiard.rows import CIRCLES, EX, EY, FACES, FLIPPERS, GRAVITY, LONG, OWNER, PX, PY, SIDES, SIZE, WIDTH

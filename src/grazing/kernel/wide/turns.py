@@ -51,7 +51,7 @@ def take_at_once(function: Any, entry: Any) -> None:
         width, vectors = block.vectors
         said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
         wishes = (
-            # how wide is said, too: of registers of eight numbers LLVM takes half where it thinks that they slow it down
+            # how wide is said, too: of a register of eight LLVM takes half where it thinks that all would slow it down
             ["llvm.loop.vectorize.width", ir.Constant(ir.IntType(32), width)],
             ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), vectors)],
             ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
