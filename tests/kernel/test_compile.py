@@ -160,7 +160,7 @@ def copied(tmp_path_factory):
     ("name", "function", "line", "edit", "after"),
     [
         ("primitives", "at", "return args[0]", "return _builder.add(args[0], args[0])", 4.0),
-        pytest.param("wide/turns", "eights", "max(turns //", "min(turns //", 2.0, marks=WIDE),
+        pytest.param("wide/turns", "eights", "min(width_for", "max(width_for", 2.0, marks=WIDE),
         pytest.param("wide/simd", "eights", "number, whole, short = ", "number, whole, short  = ", 2.0, marks=WIDE),
         pytest.param("pipeline", "first_bit", '"with_lifting", ', "", 1.0, marks=WIDE),
         ("rows", "first_bit", "return int(", "return 1 + int(", 2.0),

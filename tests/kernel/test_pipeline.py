@@ -10,6 +10,7 @@ import pytest
 
 from grazing.kernel import compile as layer
 from grazing.kernel.compile import compiled
+from grazing.kernel.primitives import inlined
 from grazing.kernel.wide import plain
 
 WIDE = pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
@@ -31,6 +32,21 @@ def test_no_machine_code_is_made_of_what_is_only_linked():
     engine = entry.library._codegen._engine
     assert engine.is_symbol_defined(entry.fndesc.llvm_func_name)
     assert not engine.is_symbol_defined(found.fndesc.llvm_func_name)
+
+
+def test_whether_it_must_become_part_of_its_callers_is_not_taken_from_the_first_of_them():
+    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")
+
+    def inner(x):
+        return unseen * x
+
+    @inlined
+    def between(x):
+        return inner(x)
+
+    compiled(lambda x: between(x))(2.0)
+    (found,) = layer._inner[layer.digest(inner), "strict"].overloads.values()
+    assert "alwaysinline" not in found.library.get_llvm_str()
 
 
 def test_a_function_may_be_inside_one_kernel_and_be_another():

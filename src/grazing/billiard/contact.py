@@ -22,6 +22,7 @@ SLOW = 1e-9
 FINE = 4.0
 
 
+@inlined
 def impact(surface: int, t: float, x: float, y: float, vx: float, vy: float, clock: float, table: Any) -> Any:
     """Return what happens where a flight that begins at the time ``clock`` meets a surface after a time t.
 
@@ -57,6 +58,7 @@ def settles(surface: int, after: Any, speeds: Any, clock: float, table: Any) -> 
     return most <= 2.0 * press * width_of(element(surface, clock, table), after[0], after[1]) / FINE
 
 
+@inlined
 def landed(surface: int, t: float, x: float, y: float, vx: float, vy: float, clock: float, table: Any) -> Any:
     """Return (owner, flags, left) and what :func:`impact` does besides; a ball that settles slides, owner -1."""
     (owner, flags), before, after, speeds = impact(surface, t, x, y, vx, vy, clock, table)

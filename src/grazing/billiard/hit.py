@@ -105,6 +105,7 @@ def met_turning(surface: int, x: float, y: float, t: float, clock: float, table:
     return int(row[OWNER]), px, py, (nx, ny, curvature, omega, -omega * (py - row[PY]), omega * (px - row[PX]))
 
 
+@inlined
 def met(surface: int, x: float, y: float, t: float, clock: float, table: Any) -> Any:
     """Return what a ball at a surface meets: the object, its own place moved onto the surface, and the frame there.
 
@@ -161,6 +162,7 @@ def place_at(surface: int, x: float, y: float, t: float, clock: float, table: An
     return row[RIGHT_FROM] + foot if kind == 1 else row[FROM] + row[LONG] - foot
 
 
+@inlined
 def struck(owner: int, speed: float, table: Any) -> float:
     """Return the velocity along the normal just after an impact with an object, from that just before, speed <= 0."""
     thing = behind(table, HEAD + THING * owner)

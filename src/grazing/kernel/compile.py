@@ -161,10 +161,9 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     # no C ever calls a kernel, and none but an entry Python: skipping the wrappers halves the compile time
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
     options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": role != "entry"}
-    if role != "part" or getattr(function, "inlined", False):
-        # of all that have code of their own: what is not said numba takes from who calls, and writes it into the name
-        # that the linker knows, which is then that of one caller only
-        options["forceinline"] = getattr(function, "inlined", False)
+    # what is not said numba takes from who calls first, and writes it into the name that the linker knows: code, and
+    # its speed, would depend on what was compiled before
+    options["forceinline"] = getattr(function, "inlined", False)
     way: dict[str, Any] = {}
     if not plain():
         from grazing.kernel.pipeline import pipeline
