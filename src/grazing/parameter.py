@@ -134,7 +134,7 @@ def checked_coordinates(names: Any) -> tuple[str, ...]:
 
 
 def in_order(values: Any) -> Any:
-    """Return several numbers whose order counts; raise TypeError for sets, and for what is masked, complex or a date."""
+    """Return several numbers whose order counts; raise TypeError for sets, masked or complex ones and dates."""
     if isinstance(values, (Set, Mapping)):
         raise TypeError("a set has no order")
     from numpy import ma  # not before: the command line starts without
