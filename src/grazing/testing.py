@@ -56,7 +56,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     """
     if not isinstance(P, Map):
         raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model); models go to check_model")
-    check_steps(P, *_amount(MAP, states=states, steps=steps), checked_seed(seed))
+    states, steps = _amount(MAP, states=states, steps=steps)
+    check_steps(P, states, steps, checked_seed(seed))
 
 
 def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: int = 0) -> None:
@@ -86,7 +87,8 @@ def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: in
     >>> gz.testing.check_model(gz.pinball(d=0.1), states=3)
     """
     checked_model(model)
-    check_motion(model, *_amount(MODEL, states=states, periods=periods), checked_seed(seed))
+    states, periods = _amount(MODEL, states=states, periods=periods)
+    check_motion(model, states, periods, checked_seed(seed))
 
 
 def check_system(system: System, states: int = 8, seed: int = 0) -> None:
@@ -128,7 +130,8 @@ def check_system(system: System, states: int = 8, seed: int = 0) -> None:
     """
     if not isinstance(system, System):
         raise InputError(f"system is {shown(system)}; give a gz.System, models go to check_model and maps to check_map")
-    check(system, *_amount(SYSTEM, states=states), checked_seed(seed))
+    (states,) = _amount(SYSTEM, states=states)
+    check(system, states, checked_seed(seed))
 
 
 def check_table(table: Table, states: int = 8, seed: int = 0) -> None:
@@ -157,7 +160,8 @@ def check_table(table: Table, states: int = 8, seed: int = 0) -> None:
     >>> discs = [gz.disc(name, (x, 0), 1.0, gz.newton(1.0)) for name, x in (("A", 0), ("B", 3))]
     >>> gz.testing.check_table(gz.table(discs, rho=0.2), states=2)
     """
-    check_flights(checked_table(table), *_amount(TABLE, states=states), checked_seed(seed))
+    (states,) = _amount(TABLE, states=states)
+    check_flights(checked_table(table), states, checked_seed(seed))
 
 
 def _amount(most: int, **counts: int) -> list[int]:
