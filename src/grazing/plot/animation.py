@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from io import BytesIO
+from itertools import pairwise
 from math import ceil
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -35,8 +36,8 @@ class Film(PillowWriter):
 
     def finish(self) -> None:
         """Write the file."""
-        ends = np.round(np.arange(len(self._frames) + 1) * TICKS / self.fps)  # type: ignore[attr-defined]
-        lasts = (np.diff(ends) * (1000 // TICKS)).astype(int).tolist()
+        ends = [round(i * TICKS / self.fps) for i in range(len(self._frames) + 1)]  # type: ignore[attr-defined]
+        lasts = [(end - begin) * (1000 // TICKS) for begin, end in pairwise(ends)]
         first, *rest = self._frames  # type: ignore[attr-defined]
         first.save(self.outfile, save_all=True, append_images=rest, duration=lasts, loop=0)
 
