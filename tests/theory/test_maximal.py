@@ -108,9 +108,7 @@ def test_long_orbits_keep_their_small_points_exact():
     assert word(points[0], N, lam, mu, l) == "L" * (N - 1) + "R"
 
 
-@pytest.mark.parametrize(
-    ("N", "lam", "mu", "l"), [(2, 2.0e-12, 0.97, 0.0), (2, 1e-6, 3e-4, 0.5), (3, 0.6, 0.1, 0.0)]
-)
+@pytest.mark.parametrize(("N", "lam", "mu", "l"), [(2, 2.0e-12, 0.97, 0.0), (2, 1e-6, 3e-4, 0.5), (3, 0.6, 0.1, 0.0)])
 def test_points_keep_their_digits_at_small_slopes(N, lam, mu, l):
     """At lam = 2e-12 the least point was off by 2e-5: backwards alone it cancels, and is divided by lam."""
     with mpmath.workdps(60):
