@@ -17,7 +17,6 @@ from grazing.billiard.elements import (
     bend_of,
     count_of,
     element,
-    first_turning,
     gap_of,
     holds,
     normal_of,
@@ -26,6 +25,7 @@ from grazing.billiard.elements import (
     turns_at,
     width_of,
 )
+from grazing.billiard.hit import first_turning
 from grazing.billiard.rows import CIRCLES, FACES, GRAVITY
 from grazing.billiard.swept import horizon, swept
 from grazing.billiard.swing import swing
@@ -75,7 +75,7 @@ def onto(surface: int, el: Any, x: float, y: float, nx: float, ny: float, clock:
 def is_bare(surface: int, el: Any, table: Any) -> bool:
     """Say whether the other side of a surface is at the same place: the ball has no radius."""
     if el[0] == 0.0:
-        return el[6] == 0.0 and surface < first_turning(table)  # type: ignore[no-any-return]
+        return el[6] == 0.0 and surface < first_turning(table)
     base = 2 * int(table[FACES]) + int(table[CIRCLES])
     if surface < base or surface >= first_turning(table):
         return False
