@@ -14,8 +14,9 @@ from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, followed
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, place_at, spot_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
-from grazing.billiard.players import PERIOD
+from grazing.billiard.players import PERIOD, Presses
 from grazing.billiard.rows import FROM, LONG, OWNER, surfaces_of
+from grazing.billiard.strategy import Strategy
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import abreast_loop
@@ -38,6 +39,7 @@ from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
+from grazing.maps.played import played_by
 from grazing.maps.settle import Settled
 from grazing.outcome import ESCAPED, FATAL, OK, InputError, shown
 from grazing.parameter import Parameter
@@ -73,7 +75,7 @@ def placer() -> Callable[..., float]:
 
 def plain_block(table: Table, values: Any) -> Floats:
     """Return the block of a table, at values of its parameters, whose laws are called in plain Python."""
-    blocks = table.blocks(np.array([list(values)]), "python")
+    blocks = table.blocks(np.array([list(values)]), "python", asks=True)
     return np.asarray(blocks[0])
 
 
@@ -84,7 +86,7 @@ def blocks_of(table: Table, rows: Floats, arithmetic: str) -> tuple[Floats, Floa
     """
     known: dict[bytes, int] = {}
     which = [known.setdefault(row.tobytes(), len(known)) for row in np.ascontiguousarray(rows)]
-    blocks = table.blocks(np.array([np.frombuffer(row) for row in known]), arithmetic)
+    blocks = table.blocks(np.array([np.frombuffer(row) for row in known]), arithmetic, asks=True)
     return blocks.ctypes.data + blocks.strides[0] * np.array(which, float)[:, None], blocks
 
 
@@ -110,13 +112,17 @@ class OfTable(Origin):
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
         addresses, blocks = blocks_of(self.table, rows, arithmetic)
+        if self.table.player.drains:
+            played = played_by(len(self.table.player.drains))
+            return Derived(played.tangent, None, Place, addresses, blocks, played.step)
         tangent, step = (timed_derived, timed_collision) if self.table.period else (derived, collision)
         loop = compiled(abreast_loop(all_collided, 4 if self.table.period else 3), arithmetic)
         return Derived(tangent, None, Place, addresses, blocks, step, loop)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
-        return (PHASE if name == PHASE.name else COORDINATES.get(name)) or self.table.describe(name)
+        known = {PHASE.name: PHASE, **COORDINATES, **watched(self.table)}
+        return known.get(name) or self.table.describe(name)
 
     def boxes(self, rows: Floats) -> Floats:
         """Return where starts are drawn: on one object, in all directions away from it."""
@@ -125,6 +131,8 @@ class OfTable(Origin):
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""
+        if self.table.player.drains:
+            return None
         block, start = self.table.blocks(np.array([row]))[0], np.empty(4)
         clock, flags, going = state[3] if self.table.period else 0.0, OK, True
         left = float(call(placer(), block, np.array(state), clock, start))
@@ -172,7 +180,20 @@ def box_of(table: Table, on: str, params: Mapping[str, float]) -> tuple[tuple[fl
     """Return where starts are drawn: on an object, away from it, up to as fast as a fall over the table, or 1."""
     fast = fastest(params)
     found = places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.1 * fast, fast)
+    if isinstance(table.player, Strategy):
+        strokes = (abs(params[f"{name}.raised"] - params[f"{name}.rest"]) for name in table.player.gates)
+        return (*found, *(span for stroke in strokes for span in ((0.0, stroke), (0.0, table.player.hold))))
     return (*found, (0.0, params[PERIOD.name])) if table.period else found
+
+
+def watched(table: Table) -> dict[str, Parameter]:
+    """Return the coordinates of flippers that a strategy works."""
+    found = {}
+    for name in table.player.gates if isinstance(table.player, Strategy) else ():
+        of, mark = f" of {name}", rf"^\mathrm{{{name}}}".replace("_", r"\_")
+        found[f"{name}.turned"] = Parameter(f"{name}.turned", rf"\beta{mark}", f"angle from rest{of}", 0.0)
+        found[f"{name}.held"] = Parameter(f"{name}.held", f"h{mark}", f"for how long the button stays pressed{of}", 0.0)
+    return found
 
 
 def fastest(params: Mapping[str, float]) -> float:
@@ -208,7 +229,8 @@ def collision_map(table: Table, on: str | None = None) -> Map:
         ball that has left stays at a place of its own behind all others, one for each drain and one for *away*, with
         outcome *escaped*: so ways out are attractors, and have basins. Other places that are on no object have no next
         state. Where flippers are worked periodically, the phase is a fourth coordinate: the time, less whole periods.
-        Parameters are those of the table.
+        Where a strategy works them, each gate adds two, ``L.turned``, how far its flipper has turned from rest, and
+        ``L.held``, for how long its button stays pressed. Parameters are those of the table.
 
     Raises
     ------
@@ -226,11 +248,10 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     ('B', [6.283185, 0.0, 1.0])
     """
     table = checked_table(table)
-    if table.period == INFINITY:
-        who = "a strategy" if table.player.drains else "a recording"
+    if isinstance(table.player, Presses) and table.player.times:
         raise InputError(
-            f"the flippers of the table are worked by {who}, which does not repeat: gz.trajectory "
-            "and gz.launches follow that; a map needs gz.flips(period, hold), or no player"
+            "the flippers of the table are worked by a recording, which does not repeat: gz.trajectory and gz.launches "
+            "follow that; a map needs gz.flips(period, hold), a strategy, or no player"
         )
     pins = [one.name for one in table.objects if one.kind == DISC and one.shape["radius"] + table.rho == 0.0]
     solids = [one.name for one in table.objects if one.kind != DRAIN and one.name not in pins]
@@ -253,11 +274,16 @@ def collision_map(table: Table, on: str | None = None) -> Map:
             f"a ball of radius {table.rho:g} fits nowhere beside {on}: something else is nearer than its diameter "
             "everywhere; make rho smaller, or give another object as on="
         )
-    step, tangent = (plain_timed, plain_timed_tangent) if table.period else (plain_collision, plain_tangent)
+    step, tangent, more = plain_collision, plain_tangent, list(watched(table))
+    if isinstance(table.player, Strategy):
+        table.player.tried(table.params)
+        _step, _tangent, step, tangent = played_by(len(table.player.gates))
+    elif table.period:
+        step, tangent, more = plain_timed, plain_timed_tangent, [PHASE.name]
     return Map(
         step,
         params=table.params,
-        coordinates=(*COORDINATES, *([PHASE.name] if table.period else [])),
+        coordinates=(*COORDINATES, *more),
         box=box_of(table, on, table.params),
         letters=Names((*table.names, AWAY)),
         prepare=partial(plain_block, table),
