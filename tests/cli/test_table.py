@@ -10,6 +10,7 @@ from PIL import Image
 import grazing as gz
 from grazing.cli import main
 from grazing.config import command_of, load_config, recipe_of, result_of
+from grazing.config.check import checked
 
 BALL = ["x=5.275", "y=0.7", "vx=0", "vy=17"]
 OWN = """
@@ -125,3 +126,13 @@ def test_studies_of_maps_take_a_table(capsys, folder):
 def test_what_means_nothing_is_refused(capsys, tokens, words):
     err = said(capsys, *tokens, code=2)
     assert words in err and "Traceback" not in err
+
+
+def test_a_trajectory_begins_in_the_plunger_unless_it_is_told_where(tmp_path):
+    shot = {"study": "trajectory", "table": "classic", "settings": {"until": 0.1}}
+    for own, speed in (({}, gz.read_table("classic").plunger.fast), ({"plunger.fast": 13.0}, 13.0)):
+        state = checked(shot | {"parameters": own})["settings"]["state"]
+        assert state == pytest.approx([5.275, 0.7, 0.0, speed], abs=1e-12)
+    (tmp_path / "bare.toml").write_text('[objects]\nout = { kind = "drain", x1 = 0.0, y1 = 0.0, x2 = 6.0, y2 = 0.0 }\n')
+    with pytest.raises(gz.InputError, match="state"):
+        checked(shot | {"table": str(tmp_path / "bare.toml")})
