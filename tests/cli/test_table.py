@@ -136,3 +136,19 @@ def test_a_trajectory_begins_in_the_plunger_unless_it_is_told_where(tmp_path):
     (tmp_path / "bare.toml").write_text('[objects]\nout = { kind = "drain", x1 = 0.0, y1 = 0.0, x2 = 6.0, y2 = 0.0 }\n')
     with pytest.raises(gz.InputError, match="state"):
         checked(shot | {"table": str(tmp_path / "bare.toml")})
+
+
+def test_escape_rates_are_those_of_python(capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    few = ["--orbits", "100", "--transient", "1", "--steps", "1", "--populations", "2"]
+    asked = ["escape", "--table", "one_bumper", *few]
+    found = json.loads(said(capsys, *asked, "bumper.V=0.2,0.8", "-o", "e.png", "--json"))["found"]
+    T = gz.read_table("one_bumper")
+    for row in found["rates"]:
+        P = gz.collision_map(T.replace(**{"bumper.V": row["bumper.V"]}))
+        rate = gz.escape_rate(P, orbits=100, transient=1, steps=1, populations=2)
+        assert (row["rate"], row["error"]) == (rate.rate, rate.error)
+    with Image.open("e.png") as drawn:
+        assert drawn.size[0] > 100
+    out = said(capsys, *asked)
+    assert "escape rate a step" in out and "2 populations of 100 orbits over 1 steps" in out and "sizes" not in out
