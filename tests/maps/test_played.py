@@ -9,7 +9,7 @@ import grazing as gz
 from grazing.kernel.compile import call
 from grazing.maps.collisions import placer
 from grazing.testing import check_map
-from tests.billiard.test_strategy import LEFT, OUT, WALLS, no, table, yes
+from tests.billiard.test_strategy import LAW, LEFT, OUT, WALLS, no, table, yes
 
 GATE = {"L": ((1.0, 1.7), (3.0, 1.7))}
 KICK = (*WALLS[:3], gz.disc("A", (2.6, 6.0), 0.5, gz.active(0.9, 0.4)))
@@ -97,6 +97,23 @@ def test_studies_take_it():
     assert rate.rate > 0.0
     lost = P.orbit((start(P, 0.6, 0.9)[0], 0.0, 1.0, 2.0, 0.0), 1)  # turned by more than it can
     assert lost.outcomes[0] & gz.Outcome.diverged
+
+
+def test_what_is_decided_exactly_is_what_doubles_find_where_they_do():
+    P = gz.collision_map(watched(), on="A")
+    orbit, row = P.orbit(start(P, 0.26, -0.4), 11), list(P.params.values())
+    for before, after, letter, flags in zip(
+        orbit.points, orbit.points[1:], orbit.letters, orbit.outcomes, strict=False
+    ):
+        found = P.origin.settle(row, tuple(before.tolist()))
+        assert (found.letter, found.outcome) == (letter, flags)
+        np.testing.assert_allclose(found.state, after, rtol=0, atol=1e-9)
+    T = gz.table([LEFT, *KICK, gz.disc("post", (4.0, 5.0), 0.3, LAW), gz.drain("out", (-9, -1), (9, -1))],
+                 rho=0.1, tilt=0.0, player=gz.strategy(no, GATE, 0.2))  # fmt: skip
+    graze = gz.collision_map(T, on="right")
+    at = graze.box[0][0] + 5.0 - 0.4  # 5.4 or 4.6 high, straight to the left: past the post by nothing
+    high = graze.orbit((at, 0.0, 1.0, 0.0, 0.0), 1)
+    assert high.outcomes[0] == graze.origin.settle(list(graze.params.values()), (at, 0.0, 1.0, 0.0, 0.0)).outcome
 
 
 def late(_state, _p):

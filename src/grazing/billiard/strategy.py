@@ -107,6 +107,19 @@ class Strategy(ByValue):
         still = pieces_of(shape, ())
         return 0.0, still + [still[0]._replace(begin=inf)] * (MOTION - 1 if name in self.gates else 0)
 
+    def pressed_before(self, motions: Sequence[float], shapes: Mapping[str, Any]) -> dict[str, list[float]]:
+        """Return a recording after which flippers have turned and stay pressed, two numbers for each gate, at t = 0."""
+        found = {}
+        for name, turned, held in zip(self.gates, motions[::2], motions[1::2], strict=True):
+            shape = shapes[name]
+            stroke = abs(shape["raised"] - shape["rest"])
+            if held > 0.0:
+                found[name] = [-turned / shape["up"], held]
+            elif turned > 0.0:
+                end = -(stroke - turned) / shape["down"]
+                found[name] = [end - 2.0 * stroke / shape["up"], end]
+        return found
+
     def rows(self, things: Sequence[Thing], params: Mapping[str, float]) -> Floats:
         """Return what kernels know of the gates, see :mod:`grazing.billiard.gates`: at first, flippers at rest."""
         flippers, found = [one.name for one in things if one.kind == FLIPPER], []

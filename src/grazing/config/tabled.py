@@ -50,7 +50,7 @@ def launched(file: str, parameters: Any) -> list[float] | None:
         shot = table.replace(**given).plunger
     except GrazingError:
         return None
-    return shot and [shot.x, shot.y, shot.fast * cos(shot.angle), shot.fast * sin(shot.angle)]
+    return None if shot is None else [shot.x, shot.y, shot.fast * cos(shot.angle), shot.fast * sin(shot.angle)]
 
 
 def beside_table(config: dict[str, Any]) -> Problem | None:

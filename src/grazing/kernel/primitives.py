@@ -153,7 +153,6 @@ def register() -> None:
     from numba import types
     from numba.extending import overload
 
-    @overload(operator.getitem, prefer_literal=True)
     def by_name(p: Any, name: Any) -> Any:
         """Return a parameter by its name, p["A.V"]."""
         if not (isinstance(p, types.BaseNamedTuple) and isinstance(name, types.StringLiteral)):
@@ -167,6 +166,8 @@ def register() -> None:
             return p[index]
 
         return at_index
+
+    overload(operator.getitem, prefer_literal=True)(by_name)
 
     @compiled_form(replaced)
     def with_item(_context: Any, items: Any, index: Any, value: Any) -> Any:

@@ -10,11 +10,21 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, followed
+from grazing.billiard.flown import (
+    BEFORE,
+    FLAGS,
+    NEXT,
+    PATH,
+    SURFACE,
+    TIME,
+    block_played,
+    followed,
+    played_flights,
+)
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, place_at, spot_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
-from grazing.billiard.players import PERIOD, Presses
+from grazing.billiard.players import PERIOD, Presses, angle_at, pieces_of
 from grazing.billiard.rows import FROM, LONG, OWNER, surfaces_of
 from grazing.billiard.strategy import Strategy
 from grazing.billiard.table import AWAY, Table
@@ -131,8 +141,8 @@ class OfTable(Origin):
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""
-        if self.table.player.drains:
-            return None
+        if isinstance(self.table.player, Strategy):
+            return settled(self.table.at(dict(zip(self.table.params, row, strict=True))), state)
         block, start = self.table.blocks(np.array([row]))[0], np.empty(4)
         clock, flags, going = state[3] if self.table.period else 0.0, OK, True
         left = float(call(placer(), block, np.array(state), clock, start))
@@ -160,6 +170,34 @@ class OfTable(Origin):
         if self.table.period:
             new = *new, t % self.table.period
         return Settled(new, owner, flags, INFINITY, INFINITY)
+
+
+def settled(table: Table, state: tuple[float, ...]) -> Settled | None:
+    """Decide a step of a table that a strategy plays in exact arithmetic."""
+    player, start = table.player, np.empty(4)
+    assert isinstance(player, Strategy)
+    shapes = {one.name: one.shape for one in table.objects}
+    pressed = player.pressed_before(state[3:], shapes)
+    left = float(call(placer(), block_played(table, pressed), np.array(state), 0.0, start))
+    if left < 0.0:
+        return None
+    flights, pressed = played_flights(table, tuple(start.tolist()), 0.0, INFINITY, TRIED, left, pressed, once=True)
+    flags, last = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int))), flights[-1]
+    owner, surface, block = int(last[FLOWN_OWNER]), int(last[SURFACE]), block_played(table, pressed)
+    if flags & ESCAPED and not flags & FATAL:
+        away, way = gone(owner, block)
+        return Settled((away[0], *(0.0,) * (len(state) - 1)), way, flags, INFINITY, INFINITY)
+    if flags & FATAL or np.isnan(last[BEFORE]):
+        return None
+    t, (x, y, vx, vy) = float(flights[:, TIME].sum()), last[NEXT:PATH].tolist()
+    _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, 0.0, t, block)
+    away, along = vx * nx + vy * ny, vy * nx - vx * ny
+    new = [float(place_at(surface, x, y, 0.0, t, block)), atan2(along, away), hypot(along, away)]
+    for name in player.gates:
+        times = pressed.get(name, [])
+        turned = abs(angle_at(t, 0.0, pieces_of(shapes[name], times)) - shapes[name]["rest"])
+        new += [turned, max(times[-1] - t, 0.0) if times else 0.0]
+    return Settled(tuple(new), owner, flags, INFINITY, INFINITY)
 
 
 def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[float, float]:

@@ -250,7 +250,7 @@ def escape(
     axis = {}
     if name is not None:
         name = checked_name(name, P.params, P.name or "the map")
-        axis = {name: checked_values(name, values, P)}
+        axis = {name: checked_values(name, () if values is None else values, P)}
     maps = [P.replace(**{name: x}) for name, each in axis.items() for x in each.tolist()] or [P]
     found = []
     for i, each in enumerate(maps):
