@@ -39,10 +39,12 @@ def escape(result: Any, ax: Axes | None = None, *, colour: str = INK) -> dict[st
 
     Examples
     --------
-    >>> import grazing as gz, xarray as xr
-    >>> rate = {"rate": ("A.r", [0.7, 0.8]), "error": ("A.r", [0.01, 0.02])}
-    >>> gz.plot.escape(xr.Dataset(rate, {"A.r": [0.8, 1.0]}))["rates"].get_ydata().tolist()
-    [0.7, 0.8]
+    >>> import grazing as gz
+    >>> from grazing.studies.escape import escape
+    >>> P = gz.collision_map(gz.read_table("one_bumper"))
+    >>> found = escape(P, "bumper.V", [0.2, 0.8], orbits=100, transient=1, steps=1, populations=2)
+    >>> gz.plot.escape(found)["rates"].get_xdata().tolist()
+    [0.2, 0.8]
     """
     (name,) = expect(result, "escape", dict.fromkeys(("rate", "error"), ("<parameter>",)))
     values, where = ordered(result[name].values)
