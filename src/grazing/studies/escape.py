@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from grazing.copies import ByValue
 from grazing.kernel.random import uniform
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.outcome import ESCAPED, FATAL, InputError, shown
-from grazing.parameter import real, whole
+from grazing.parameter import checked_name, real, whole
+from grazing.pool import Progress
+from grazing.studies import labels
+from grazing.studies.runs import checked_map, checked_values
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 #: Steps for which it is remembered how many orbits of a population stayed.
@@ -212,3 +219,93 @@ def rates_of(shares: Floats, warm: int) -> Floats:
         rate -= np.log(stayed.sum() / weights.sum()) / steps
         without -= np.log((stayed.sum() - stayed) / (weights.sum() - weights)) / steps
     return np.asarray(many * rate - (many - 1) * without)
+
+
+def escape(
+    P: Map,
+    name: str | None = None,
+    values: ArrayLike | None = None,
+    *,
+    orbits: int = 10_000,
+    transient: int = 40,
+    steps: int = 40,
+    populations: int = 8,
+    stir: float = 0.02,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return what :func:`grazing.escape_rate` does, as one parameter varies or at the values of a map.
+
+    Parameters
+    ----------
+    P : Map
+        Of which orbits escape.
+    name, values : str and array_like, optional
+        The parameter that varies, and its values.
+    orbits, transient, steps, populations, stir, seed, threads
+        As in :func:`grazing.escape_rate`.
+    progress : callable, optional
+        ``progress(done, total)``, called after each value.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rate``, ``error`` and ``lost`` on the parameter; without dimension where none varies.
+
+    Raises
+    ------
+    InputError
+        As :func:`grazing.escape_rate` does.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.studies.escape import escape
+    >>> corners = {"A": (0.0, 0.0), "B": (3.0, 0.0), "C": (1.5, 1.5 * 3**0.5)}
+    >>> discs = [gz.disc(name, corner, 1.0, gz.newton(1.0)) for name, corner in corners.items()]
+    >>> P = gz.collision_map(gz.table(discs))
+    >>> found = escape(P, "A.r", [0.8, 1.0], orbits=500, transient=4, steps=4, populations=2)
+    >>> found.rate.dims, bool((found.rate > 0.6).all())
+    (('A.r',), True)
+    """
+    import xarray as xr
+
+    P = checked_map(P)
+    axis = {}
+    if name is not None:
+        name = checked_name(name, P.params, P.name or "the map")
+        axis = {name: checked_values(name, () if values is None else values, P)}
+    maps = [P.replace(**{name: x}) for name, each in axis.items() for x in each.tolist()] or [P]
+    found = []
+    for i, each in enumerate(maps):
+        found.append(
+            escape_rate(
+                each, orbits=orbits, transient=transient, steps=steps, populations=populations, stir=stir, seed=seed,
+                threads=threads,
+            )
+        )  # fmt: skip
+        if progress is not None:
+            progress(i + 1, len(maps))
+    dims = tuple(axis)
+
+    def column(name: str, says: str) -> tuple[object, ...]:
+        numbers = np.array([getattr(one, name) for one in found])
+        return dims, numbers if dims else numbers[0], {"long_name": says, "units": "1"}
+
+    varied = "".join(f" in {name}" for name in axis)
+    return xr.Dataset(
+        {
+            "rate": column("rate", "escape rate a step"),
+            "error": column("error", "its standard error"),
+            "lost": column("lost", "orbits that ended otherwise than by escaping"),
+        },
+        coords={name: (name, each, labels.quantity(P, name)) for name, each in axis.items()},
+        attrs={
+            "title": f"escape rate of the {P.name}{varied}",
+            "orbits": found[0].orbits,
+            "populations": len(found[0].rates),
+            "steps": found[0].steps,
+            **{f"parameter_{key}": value for key, value in P.params.items() if key not in axis},
+        },
+    )
