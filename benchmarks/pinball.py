@@ -30,7 +30,7 @@ from .table import show
 
 ENERGY = 12.0
 DISCS = (3, 8, 24)
-LAUNCHES, HITS = 64, 2000
+LAUNCHES, HITS = 64, 8000
 SOURCE = Path(__file__).parent / "peers" / "pinball.cpp"
 FLAGS = ("-O3", "-march=native", "-fno-math-errno", "-fno-trapping-math")
 
@@ -197,7 +197,7 @@ def packed() -> tuple[Program, None]:
     subprocess.run([compiler, *FLAGS, f"-DL={lanes}", str(SOURCE), "-o", str(file)], check=True)
 
     def program(count: int, share: float) -> float:
-        work = str(max(round(4 * LAUNCHES * HITS * share), 1000))
+        work = str(max(round(LAUNCHES * HITS * share), 1000))
         said = subprocess.run([str(file), str(count), work], check=True, capture_output=True, text=True).stdout
         return float(said.split()[0])
 

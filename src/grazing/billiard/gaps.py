@@ -40,7 +40,7 @@ def lowest(c3: float, a4: float, w: float) -> float:
     if c3 >= 0.0:
         s = 0.0
     elif a4 > 0.0:
-        s = min(-0.5 * c3 / a4, w)
+        s = min(c3 * (-0.5 / a4), w)  # the quotient is the same for all that fall alike
     return (c3 + a4 * s) * s if s < INFINITY else -INFINITY
 
 
@@ -110,19 +110,18 @@ def landing(h: float, dh: float, k: float, c3: float, a4: float, reach: float) -
 
 
 @inlined
-def look(
-    dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float, t: float, fresh: bool, end: float,
-    doubt: float,
+def seen(
+    dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float, t: float, fresh: bool, end: float
 ) -> Any:  # fmt: skip
-    """Look at a circle once, at the time t of a flight, see :func:`crossing`.
+    """Return what can be told of the gap of a circle from the time t of a flight on, see :func:`crossing`.
 
     Returns
     -------
-    (what, t, late, flags, doubt), (h, dh, k, c3, reach)
-        What is found: ON, to be looked at again at t; HIT or MISSED; or NEAR, the polynomial from t on has its only
-        root in (0, reach].
+    (h, dh, k, c3), (e, d, finite), (near, rate, up, reach), (w, low, fall, k, step)
+        The polynomial; its errors; until when it is looked at closer, an upper bound at t and in (0, near], where the
+        only root is up to ``reach`` if that is not beyond; what is left, the lower bound, and its first root.
     """
-    a4, size2, flags, what, late = 0.25 * g * g, size * size, OK, ON, 0.0
+    a4, size2 = 0.25 * g * g, size * size
     now = vy - g * t
     x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t
     fast = abs(vx) + abs(vy) + g * t
@@ -144,13 +143,46 @@ def look(
     least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
     k = sign * bend + least - b
     step = safe_step(low, fall, k) * (1.0 - GAP * EPS) - 2.0 * EPS * t
+    finite = e < INFINITY and b < INFINITY
+    return (h, dh, sign * bend, sign * c3), (e, d, finite), (near, rate, up, reach), (w, low, fall, k, step)
+
+
+@inlined
+def lands(fresh: bool, near: float, rate: float, up: float, reach: float) -> Any:
+    """Say whether a gap surely comes down to 0, and only once until ``near``."""
+    return not fresh and rate < 0.0 and (up <= 0.0 or reach <= near)
+
+
+@inlined
+def lateness(error: float, rate: float, t: float) -> float:
+    """Return how late a contact may be that is seen from t on, where the gap comes down at a rate with an error."""
+    return error / -rate + 4.0 * EPS * t
+
+
+@inlined
+def look(
+    dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float, t: float, fresh: bool, end: float,
+    doubt: float,
+) -> Any:  # fmt: skip
+    """Look at a circle once, at the time t of a flight, see :func:`crossing`.
+
+    Returns
+    -------
+    (what, t, late, flags, doubt), (h, dh, k, c3, reach)
+        What is found: ON, to be looked at again at t; HIT or MISSED; or NEAR, the polynomial from t on has its only
+        root in (0, reach].
+    """
+    flags, what, late = OK, ON, 0.0
+    (h, dh, bend, c3), (e, d, finite), (near, rate, up, reach), (w, low, fall, k, step) = seen(
+        dx, dy, vx, vy, g, size, sign, t, fresh, end
+    )
     again = not fresh and doubt < INFINITY
-    if not (e < INFINITY and b < INFINITY):
+    if not finite:
         what, flags = HIT, DIVERGED
     elif again and ((h < -e and rate >= 0.0) or (rate < 0.0 and up <= 0.0)):
         what, late, t = HIT, t - doubt, doubt  # through and back, by less than can be decided
-    elif not fresh and rate < 0.0 and (up <= 0.0 or reach <= near):
-        what, late = NEAR, (e + d * near) / -rate + 4.0 * EPS * t
+    elif lands(fresh, near, rate, up, reach):
+        what, late = NEAR, lateness(e + d * near, rate, t)
         if not h > 0.0:
             what = HIT
     elif step >= w and t + w >= end:
@@ -169,7 +201,23 @@ def look(
                 if not t + step > t:
                     what, step, flags = HIT, 0.0, flags | TOO_MANY_IMPACTS
         t += step
-    return (what, t, late, flags, doubt), (h, dh, sign * bend, sign * c3, reach)
+    return (what, t, late, flags, doubt), (h, dh, bend, c3, reach)
+
+
+@inlined
+def glance(dx: float, dy: float, vx: float, vy: float, g: float, size: float, t: float, end: float) -> Any:
+    """Return (what, t, doubt), (h, dh, k, c3, reach) as :func:`look` does, and (error, rate) for :func:`lateness`.
+
+    The circle was not just left. Where it would be looked at closer, as it is touched within rounding, it is in doubt.
+    """
+    (h, dh, bend, c3), (e, d, finite), (near, rate, up, reach), (w, low, _fall, _k, step) = seen(
+        dx, dy, vx, vy, g, size, 1.0, t, False, end
+    )
+    down, gone = lands(False, near, rate, up, reach), step >= w and t + w >= end
+    what = (NEAR if h > 0.0 else HIT) if down else (MISSED if gone else ON)
+    on, after = what == ON, t + min(step, w)
+    doubt = not finite or (on and (not after > t or low < e))
+    return (what, after if on else t, doubt), (h, dh, bend, c3, reach), (e + d * near, rate)
 
 
 def crossing(

@@ -146,8 +146,8 @@ def of_circles(
 
     The nearest circle comes first: it brings the end forward for all others.
     """
-    first, soonest, speed2 = -1, found[1] + found[2], vx * vx + vy * vy
-    least = speed2 + lowest(-g * vy, 0.25 * g * g, soonest)
+    first, end = -1, found[1] + found[2]
+    soonest, least = end, vx * vx + vy * vy + lowest(-g * vy, 0.25 * g * g, end)
     for i in range(circles):
         if off == base + i:
             continue
@@ -161,7 +161,7 @@ def of_circles(
         i = first if n == 0 else n - 1
         if (n > 0 and i == first) or off == base + i:
             continue
-        row, step, end = behind(rows, WIDTH * i), soonest, found[1] + found[2]
+        row, step = behind(rows, WIDTH * i), soonest
         if n > 0:
             step, _said = first_step(x - row[PX], y - row[PY], vx, vy, g, row[SIZE], last == base + i, least)
             if not step < end:
@@ -172,7 +172,8 @@ def of_circles(
         found = found[0], found[1], found[2], found[3], found[4] | said
         if t < INFINITY:
             found = nearer(found, base + i, row[OWNER], t, late)
-            least = speed2 + lowest(-g * vy, 0.25 * g * g, found[1] + found[2])
+        if n == 0:
+            end = found[1] + found[2]
     return found
 
 

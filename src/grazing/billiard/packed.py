@@ -11,7 +11,18 @@ from typing import Any
 
 from grazing.billiard.contact import flight_to, next_impact
 from grazing.billiard.faces import guess, met_side, of_face, passes
-from grazing.billiard.gaps import MISSED, NEAR, ON, ROOTS, first_guess, first_step, look, lowest, nearer_root
+from grazing.billiard.gaps import (
+    MISSED,
+    NEAR,
+    ON,
+    ROOTS,
+    first_guess,
+    first_step,
+    glance,
+    lateness,
+    lowest,
+    nearer_root,
+)
 from grazing.billiard.hit import first_turning, rows_of
 from grazing.billiard.march import LEAST, MOST, of_flippers, of_sides
 from grazing.billiard.rows import CIRCLES, EX, EY, FACES, FLIPPERS, GRAVITY, LONG, OWNER, PX, PY, SIDES, SIZE, WIDTH
@@ -119,23 +130,11 @@ def of_some_faces(w: Any, width: int, faces: int, rows: Any, g: float) -> None:
         w[W.STEP + i], w[W.FIRST + i] = INFINITY, -1.0
     for f in range(faces):
         guess_face(w, width, f, behind(rows, WIDTH * f), g)
-    n = 0
     for i in range(width):
-        if w[W.FIRST + i] >= 0.0:
-            row = behind(rows, WIDTH * (int(w[W.FIRST + i]) // 2))
-            w[W.BALL + n], w[W.CIRCLE + n], w[W.PWHO + n] = 1.0 * i, w[W.FIRST + i], row[OWNER]
-            w[W.DX + n], w[W.DY + n], w[W.PSIZE + n] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
-            w[W.PVX + n], w[W.PVY + n], w[W.PTIME + n] = w[W.VX + i], w[W.VY + i], w[W.LAST + i]
-            w[W.PEX + n], w[W.PEY + n], w[W.PEND + n] = row[EX], row[EY], row[LONG]
-            n += 1
-    repeated(w, n, W.BALL, W.WHAT)
-    for k in range((n + 7) // 8 * 8):
-        meet_face(w, eights(k), g)
-    for k in range(n):
-        i = int(w[W.BALL + k])
-        if w[W.SAID + k] == 0.0:
-            w[W.SURFACE + i], w[W.TIME + i] = w[W.CIRCLE + k], w[W.S + k]
-            w[W.LATE + i], w[W.WHO + i] = w[W.PLATE + k], w[W.PWHO + k]
+        row = behind(rows, WIDTH * (int(max(w[W.FIRST + i], 0.0)) // 2))
+        w[W.DX + i], w[W.DY + i], w[W.PSIZE + i] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
+        w[W.PEX + i], w[W.PEY + i], w[W.PEND + i], w[W.PWHO + i] = row[EX], row[EY], row[LONG], row[OWNER]
+    meet_face(w, width, g)
 
 
 @inlined
@@ -169,12 +168,16 @@ def guess_face(w: Any, width: int, f: int, row: Any, g: float) -> None:
 
 
 @inlined
-def meet_face(w: Any, i: int, g: float) -> None:
-    """Meet the face of a pair: S, PLATE, and SAID where it is in doubt whether and when."""
-    along, v = (w[W.DX + i], w[W.DY + i]), (w[W.PVX + i], w[W.PVY + i])
-    face = w[W.PEX + i], w[W.PEY + i], w[W.PSIZE + i], w[W.PEND + i]
-    sure, t, late = met_side(along, v, face, g, w[W.CIRCLE + i], w[W.PTIME + i])
-    w[W.S + i], w[W.PLATE + i], w[W.SAID + i] = t, late, 0.0 if sure else 1.0
+def meet_face(w: Any, width: int, g: float) -> None:
+    """Take the side of a face that a ball seems to meet first, if there is one and it is met beyond doubt."""
+    for k in range(width):
+        i = eights(k)
+        along, v = (w[W.DX + i], w[W.DY + i]), (w[W.VX + i], w[W.VY + i])
+        face, side = (w[W.PEX + i], w[W.PEY + i], w[W.PSIZE + i], w[W.PEND + i]), w[W.FIRST + i]
+        sure, t, late = met_side(along, v, face, g, side, w[W.LAST + i])
+        met = sure and side >= 0.0
+        w[W.SURFACE + i], w[W.TIME + i] = side if met else -1.0, t if met else INFINITY
+        w[W.LATE + i], w[W.WHO + i] = late if met else 0.0, w[W.PWHO + i] if met else -1.0
 
 
 @inlined
@@ -227,115 +230,106 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
             w[at + i] = w[W.ONE + i]
 
 
-@inlined
-def paired(w: Any, n: int, i: int, c: int, begin: float, rows: Any) -> None:
-    """Put a ball and a circle on the list."""
-    row = behind(rows, WIDTH * c)
-    w[W.BALL + n], w[W.CIRCLE + n] = 1.0 * i, 1.0 * c
-    w[W.DX + n], w[W.DY + n], w[W.PSIZE + n] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
-    w[W.PVX + n], w[W.PVY + n] = w[W.VX + i], w[W.VY + i]
-    w[W.PTIME + n], w[W.PEND + n] = begin, w[W.TIME + i] + w[W.LATE + i]
-
-
 def nearest(w: Any, width: int, base: int, circles: int, rows: Any, g: float) -> None:
     """March to circles, the nearest one first: it brings the end forward for all others."""
     n = 0
     for i in range(width):
-        if w[W.FIRST + i] >= 0.0 and not w[W.DOUBT + i] > 0.0:
-            paired(w, n, i, int(w[W.FIRST + i]), w[W.STEP + i], rows)
-            n += 1
+        w[W.BALL + n], w[W.CIRCLE + n], w[W.END + i] = 1.0 * i, w[W.FIRST + i], w[W.TIME + i] + w[W.LATE + i]
+        n += 1 if w[W.FIRST + i] >= 0.0 and not w[W.DOUBT + i] > 0.0 else 0
     march(w, n, base, rows, g)
+    n = 0
     for i in range(width):
-        sure = w[W.FIRST + i] >= 0.0 and not w[W.DOUBT + i] > 0.0
-        w[W.NEXT + i] = 0.0 if sure and w[W.SECOND + i] < w[W.TIME + i] + w[W.LATE + i] else 1.0 * circles
-    while n > 0:
-        n = 0
-        for i in range(width):
-            if w[W.NEXT + i] < circles:
-                n = another(w, n, i, base, circles, rows, g)
-        march(w, n, base, rows, g)
-
-
-@inlined
-def another(w: Any, n: int, i: int, base: int, circles: int, rows: Any, g: float) -> int:
-    """Put the next circle that a ball may meet on the list, from NEXT on, if there is one."""
-    end = w[W.TIME + i] + w[W.LATE + i]
-    for c in range(int(w[W.NEXT + i]), circles):
-        if w[W.STEPS + LANES * c + i] < end and w[W.FIRST + i] != c:
-            row = behind(rows, WIDTH * c)
-            dx, dy, fresh = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], w[W.LAST + i] == base + c
-            step, _said = first_step(dx, dy, w[W.VX + i], w[W.VY + i], g, row[SIZE], fresh, w[W.PART + i])
-            if step < end:
-                paired(w, n, i, c, step, rows)
-                w[W.NEXT + i] = c + 1.0
-                return n + 1
-    w[W.NEXT + i] = 1.0 * circles
-    return n
+        w[W.END + i] = w[W.TIME + i] + w[W.LATE + i]
+        if not w[W.SECOND + i] < w[W.END + i] or w[W.DOUBT + i] > 0.0:
+            continue
+        for c in range(circles):
+            w[W.BALL + n], w[W.CIRCLE + n] = 1.0 * i, 1.0 * c
+            n += 1 if w[W.STEPS + LANES * c + i] < w[W.END + i] and w[W.FIRST + i] != c else 0
+            if n == LANES:
+                march(w, n, base, rows, g)
+                n = 0
+    march(w, n, base, rows, g)
 
 
 def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
     """March to all circles on the list, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
-    repeated(w, n, W.BALL, W.WHAT)
-    for b in range(0, n, 8):
-        looked_at(w, b, g)
-        landed(w, b, g)
-    for j in range(n):
-        i, c = int(w[W.BALL + j]), int(w[W.CIRCLE + j])
-        what, t = w[W.WHAT + j], w[W.PTIME + j]
-        doubt = w[W.SAID + j] != 0.0 or what == ON
+    repeated(w, n, W.BALL, W.DX)
+    padded = (n + 7) // 8 * 8
+    for k in range(padded):
+        i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
+        row = behind(rows, WIDTH * c)
+        w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
+        w[W.PVX + k], w[W.PVY + k], w[W.PEND + k] = w[W.VX + i], w[W.VY + i], w[W.END + i]
+        w[W.PTIME + k] = w[W.STEPS + LANES * c + i]
+    looked_at(w, padded, g)
+    landed(w, padded, g)
+    for k in range(n):
+        i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
+        what, t = w[W.WHAT + k], w[W.PTIME + k]
+        doubt = w[W.SAID + k] > 0.0 or what == ON
         t = INFINITY if what == MISSED or doubt else t
-        taken(w, i, base + c, rows[WIDTH * c + OWNER], t, w[W.PLATE + j], doubt)
-        if t < INFINITY:
-            vx, vy, end = w[W.VX + i], w[W.VY + i], w[W.TIME + i] + w[W.LATE + i]
-            w[W.PART + i] = vx * vx + vy * vy + lowest(-g * vy, 0.25 * g * g, end)
+        taken(w, i, base + c, rows[WIDTH * c + OWNER], t, w[W.PLATE + k], doubt)
 
 
 @inlined
-def looked_at(w: Any, b: int, g: float) -> None:
-    """Look at eight circles until nothing is to be looked at again."""
-    for k in range(8):
-        w[W.WHAT + b + eights(k)], w[W.SAID + b + eights(k)] = 1.0 * ON, 0.0
+def looked_at(w: Any, n: int, g: float) -> None:
+    """Look at circles, eight at a time, until nothing is to be looked at again."""
+    for k in range(n):
+        w[W.WHAT + eights(k)], w[W.SAID + eights(k)] = 1.0 * ON, 0.0
     for _ in range(LOOKS):
-        for k in range(8):
-            i = b + eights(k)
-            dx, dy, vx, vy, begin = w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], w[W.PTIME + i]
-            (what, t, late, said, _doubt), (h, dh, bend, c3, reach) = look(
-                dx, dy, vx, vy, g, w[W.PSIZE + i], 1.0, begin, False, w[W.PEND + i], INFINITY
-            )
-            on = w[W.WHAT + i] == ON
-            w[W.PTIME + i] = t if on else begin
-            w[W.PLATE + i] = late if on else w[W.PLATE + i]
-            w[W.H + i], w[W.DH + i] = h if on else w[W.H + i], dh if on else w[W.DH + i]
-            w[W.K + i], w[W.C3 + i] = bend if on else w[W.K + i], c3 if on else w[W.C3 + i]
-            w[W.REACH + i] = reach if on else w[W.REACH + i]
-            w[W.SAID + i] += 1.0 * said if on else 0.0
-            w[W.WHAT + i] = 1.0 * what if on else w[W.WHAT + i]
-        if not any_of(w, b, W.WHAT, 1.0 * ON):
+        some = False
+        for b in range(0, n, 8):  # one after the other: a processor then works on several
+            if any_of(w, b, W.WHAT, 1.0 * ON):
+                look_at(w, b, g)
+                some = True
+        if not some:
             break
 
 
 @inlined
-def landed(w: Any, b: int, g: float) -> None:
-    """Bring eight flights down to where they are seen to land, as :func:`grazing.billiard.gaps.landing` does."""
+def look_at(w: Any, b: int, g: float) -> None:
+    """Look at eight circles, of which some are to be looked at."""
     for k in range(8):
         i = b + eights(k)
+        begin, on = w[W.PTIME + i], w[W.WHAT + i] == ON
+        (what, t, doubt), (h, dh, bend, c3, reach), (error, rate) = glance(
+            w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], begin, w[W.PEND + i]
+        )
+        w[W.PTIME + i] = t if on else begin
+        w[W.PLATE + i], w[W.RATE + i] = error if on else w[W.PLATE + i], rate if on else w[W.RATE + i]
+        w[W.H + i], w[W.DH + i] = h if on else w[W.H + i], dh if on else w[W.DH + i]
+        w[W.K + i], w[W.C3 + i] = bend if on else w[W.K + i], c3 if on else w[W.C3 + i]
+        w[W.REACH + i] = reach if on else w[W.REACH + i]
+        w[W.SAID + i] = 1.0 if on and doubt else w[W.SAID + i]
+        w[W.WHAT + i] = 1.0 * what if on else w[W.WHAT + i]
+
+
+@inlined
+def landed(w: Any, n: int, g: float) -> None:
+    """Bring flights down to where they are seen to land, as :func:`grazing.billiard.gaps.landing` does."""
+    for k in range(n):
+        i = eights(k)
         near = w[W.WHAT + i] == NEAR
         w[W.S + i] = first_guess(w[W.H + i], w[W.DH + i], w[W.K + i], w[W.REACH + i]) if near else 0.0
         w[W.A + i], w[W.B + i], w[W.GOING + i] = 0.0, w[W.REACH + i], 1.0 if near else 0.0
     for _ in range(ROOTS):
-        if not any_of(w, b, W.GOING, 1.0):
-            break
-        for k in range(8):
-            i = b + eights(k)
+        some = 0
+        for k in range(n):
+            i = eights(k)
             old, going = w[W.S + i], w[W.GOING + i] > 0.0
             s, low, high, done = nearer_root(
                 old, w[W.A + i], w[W.B + i], w[W.H + i], w[W.DH + i], w[W.K + i], w[W.C3 + i], 0.25 * g * g
             )
             w[W.S + i], w[W.A + i], w[W.B + i] = s if going else old, low, high
             w[W.GOING + i] = 0.0 if done else w[W.GOING + i]
-    for k in range(8):
-        i = b + eights(k)
-        w[W.PTIME + i] += w[W.S + i]
+            some |= 1 if going and not done else 0
+        if some == 0:
+            break
+    for k in range(n):
+        i = eights(k)
+        begin = w[W.PTIME + i]
+        w[W.PLATE + i] = lateness(w[W.PLATE + i], w[W.RATE + i], begin)
+        w[W.PTIME + i] = begin + w[W.S + i]
 
 
 @inlined

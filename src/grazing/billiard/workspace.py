@@ -28,12 +28,12 @@ class Rows(NamedTuple):
     WHO: int
     DOUBT: int
     LAST: int  # the surface just left, -1 for one of a flipper
-    # of circles: the least part of k, the earliest safe step, of which circle, the one after it, the next circle
+    # of circles: the least part of k, the earliest safe step, of which circle, the one after it, how long is looked
     PART: int
     STEP: int
     FIRST: int
     SECOND: int
-    NEXT: int
+    END: int
     ONE: int
     # of pairs of a ball and a circle: which they are, as it is seen from the centre
     BALL: int
@@ -57,6 +57,7 @@ class Rows(NamedTuple):
     K: int
     C3: int
     REACH: int
+    RATE: int
     S: int
     A: int
     B: int

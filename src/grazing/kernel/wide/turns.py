@@ -16,7 +16,8 @@ from grazing.kernel.wide.simd import width_for
 def _marking(turns: int) -> Any:
     def mark(_context: Any, index: Any) -> Any:
         def code(context: Any, builder: Any, _signature: Any, args: Any) -> Any:
-            builder.block.vectors = max(turns // width_for(context), 1)
+            width = min(width_for(context), turns)
+            builder.block.vectors = width, turns // width
             return args[0]
 
         return types.int64(types.int64), code
@@ -24,7 +25,7 @@ def _marking(turns: int) -> Any:
     return mark
 
 
-compiled_form(abreast)(_marking(1))
+compiled_form(abreast)(_marking(4))
 compiled_form(eights)(_marking(8))
 
 
@@ -47,9 +48,12 @@ def take_at_once(function: Any, entry: Any) -> None:
         if not around:
             continue
         loop = min(around, key=lambda each: len(each.body))
+        width, vectors = block.vectors
         said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
         wishes = (
-            ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), block.vectors)],
+            # how wide is said, too: of a register of eight LLVM takes half where it thinks that all would slow it down
+            ["llvm.loop.vectorize.width", ir.Constant(ir.IntType(32), width)],
+            ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), vectors)],
             ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
         )
         said.operands = (said, *(function.module.add_metadata(wish) for wish in wishes))
