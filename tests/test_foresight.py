@@ -121,6 +121,29 @@ def test_what_does_not_fit_says_what_to_lower(monkeypatch):
         gz.orbit_diagram(G, "mu", np.linspace(0.0, 0.1, 3000))
 
 
+def test_a_dry_run_of_very_many_steps_is_soon_done_and_says_how_long_they_take(monkeypatch):
+    from grazing import sweep
+
+    monkeypatch.setattr(sys.modules["grazing.sweep.estimate"], "PATIENCE", 0.02)
+
+    G = gz.gap_map(0.8, 0.1, 0.2)
+    for steps in ({"transient": 10**12}, {"keep": 10**12}):
+        plan = plans.density(G, "mu", [0.1, 0.2], starts=500, **steps)  # with a trial for the range, which is short
+        found = sweep.estimate(plan, threads=1)
+        assert found.seconds >= 2 * 500 * 10**12 * 1e-9 and "roughly" in str(found)
+
+
+def test_checks_that_would_run_for_hours_are_refused():
+    G = gz.gap_map(0.8, 0.1, 0.2)
+    for call, given in (
+        (gz.testing.check_map, {"P": G, "states": 10**9}),
+        (gz.testing.check_map, {"P": G, "states": 1, "steps": 10**9}),
+        (gz.testing.check_model, {"model": gz.pinball(), "periods": 10**9}),
+    ):
+        with pytest.raises(gz.InputError, match=r"1000000000.* would run for long; at most \d+ at a time"):
+            call(**given)
+
+
 def test_a_dry_run_takes_little_and_leaves_the_compiler_out():
     from grazing import sweep
 

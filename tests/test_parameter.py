@@ -137,11 +137,14 @@ WITHOUT_ORDER_OR_MASKED = {
     "amplitudes": lambda: gz.Forcing(omega=1.0, cos={1.0, 2.0}),
     "place": lambda: gz.disc("a", {0.0, 2.0}, 1.0, law=LAW),
     "shard": lambda: gz.sweep.run(gz.plans.density(G, "mu", [0.1], starts=2), "none.zarr", shard={1, 2}),
+    "dates": lambda: gz.orbit_diagram(G, "mu", np.array(["2000"], "M8[D]"), starts=2, transient=2, keep=2),
+    "durations": lambda: G(np.array([3], "m8[s]")),
+    "complex": lambda: G(np.array([0.5 + 0j])),
 }
 
 
 @pytest.mark.parametrize("call", WITHOUT_ORDER_OR_MASKED.values(), ids=WITHOUT_ORDER_OR_MASKED)
-def test_masked_values_and_sets_are_no_lists_of_numbers(call):
+def test_masked_values_sets_and_dates_are_no_lists_of_numbers(call):
     """What a mask hides was computed with, and the numbers of a set became x and y in whatever order it gave them."""
     with pytest.raises(gz.InputError):
         call()

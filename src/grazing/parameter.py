@@ -134,13 +134,15 @@ def checked_coordinates(names: Any) -> tuple[str, ...]:
 
 
 def in_order(values: Any) -> Any:
-    """Return several values whose order counts; raise TypeError for a set, which has none, and for masked values."""
+    """Return several numbers whose order counts; raise TypeError for sets, masked or complex ones and dates."""
     if isinstance(values, (Set, Mapping)):
         raise TypeError("a set has no order")
     from numpy import ma  # not before: the command line starts without
 
     if ma.is_masked(values):
         raise TypeError("masked values are none")
+    if getattr(getattr(values, "dtype", None), "kind", "") in ("c", "m", "M"):
+        raise TypeError("complex values and dates are no real numbers")
     return values
 
 

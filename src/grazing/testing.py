@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from math import prod
+
 from grazing.billiard.check import check as check_flights
 from grazing.billiard.table import Table
 from grazing.maps.check import check as check_steps
@@ -17,6 +19,9 @@ from grazing.parameter import whole
 from grazing.studies.starts import checked_seed
 from grazing.systems.check import check
 from grazing.systems.contract import System
+
+#: States, times the steps or periods of each, that are looked at in some 30 seconds.
+MAP, MODEL, SYSTEM, TABLE = 50_000, 12_000, 1_000, 10_000
 
 
 def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
@@ -51,7 +56,8 @@ def check_map(P: Map, states: int = 24, steps: int = 12, seed: int = 0) -> None:
     """
     if not isinstance(P, Map):
         raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model); models go to check_model")
-    check_steps(P, whole(states, "states", 1), whole(steps, "steps", 1), checked_seed(seed))
+    states, steps = _amount(MAP, states=states, steps=steps)
+    check_steps(P, states, steps, checked_seed(seed))
 
 
 def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: int = 0) -> None:
@@ -81,7 +87,8 @@ def check_model(model: Oscillator, states: int = 12, periods: int = 12, seed: in
     >>> gz.testing.check_model(gz.pinball(d=0.1), states=3)
     """
     checked_model(model)
-    check_motion(model, whole(states, "states", 1), whole(periods, "periods", 1), checked_seed(seed))
+    states, periods = _amount(MODEL, states=states, periods=periods)
+    check_motion(model, states, periods, checked_seed(seed))
 
 
 def check_system(system: System, states: int = 8, seed: int = 0) -> None:
@@ -123,7 +130,8 @@ def check_system(system: System, states: int = 8, seed: int = 0) -> None:
     """
     if not isinstance(system, System):
         raise InputError(f"system is {shown(system)}; give a gz.System, models go to check_model and maps to check_map")
-    check(system, whole(states, "states", 1), checked_seed(seed))
+    (states,) = _amount(SYSTEM, states=states)
+    check(system, states, checked_seed(seed))
 
 
 def check_table(table: Table, states: int = 8, seed: int = 0) -> None:
@@ -152,4 +160,14 @@ def check_table(table: Table, states: int = 8, seed: int = 0) -> None:
     >>> discs = [gz.disc(name, (x, 0), 1.0, gz.newton(1.0)) for name, x in (("A", 0), ("B", 3))]
     >>> gz.testing.check_table(gz.table(discs, rho=0.2), states=2)
     """
-    check_flights(checked_table(table), whole(states, "states", 1), checked_seed(seed))
+    (states,) = _amount(TABLE, states=states)
+    check_flights(checked_table(table), states, checked_seed(seed))
+
+
+def _amount(most: int, **counts: int) -> list[int]:
+    """Return how much is looked at, or raise InputError for what would run for hours."""
+    found = [whole(count, name, 1) for name, count in counts.items()]
+    if prod(found) > most:
+        said = " x ".join(f"{name} ({shown(count)})" for name, count in zip(counts, found, strict=True))
+        raise InputError(f"{said} would run for long; at most {most} at a time, and more by another seed")
+    return found

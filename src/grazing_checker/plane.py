@@ -155,8 +155,11 @@ class Thing:
         return found
 
     def elastic(self) -> bool:
-        """Return whether the law is -v for all v <= 0: 0 of 0, with the slope -1 everywhere."""
-        every = self.after(around(number(-1, 600), number(1, 600)))
+        """Return whether the law is -v for all v <= 0 that there are: 0 of 0, with the slope -1 everywhere.
+
+        Flights of an energy E in doubles have v^2 <= 2 (E - g sin(tilt) y), and |y| is less than 2^1027: |v| < 2^1100.
+        """
+        every = self.after(around(number(-1, 1100), number(1, 1100)))
         return bool((every.by_v + 1).is_zero() and self.after(number(0)).x.is_zero())
 
 

@@ -213,3 +213,21 @@ def test_on_random_tables_balls_stay_outside_of_things_and_gain_no_energy(seed):
         assert (
             step <= (np.maximum(fast[1:], fast[:-1]) + table.gravity * np.diff(flown.t)) * np.diff(flown.t) + 1e-9
         ).all()
+
+
+@pytest.mark.parametrize("side", [-0.9, 0.9])
+def test_a_ball_without_a_radius_slides_in_a_bowl(side):
+    """It fell through, certified: both sides are one circle, and a doubt about the other one was decided."""
+    bowl = gz.table([gz.arc("bowl", (0.0, 0.0), 1.0, np.pi, 2.0 * np.pi, gz.newton(0.0))], tilt=1.0)
+    flown = gz.trajectory(bowl, (np.sin(side), -0.6 * np.cos(side), 0.0, 0.0), until=9.0)
+    later = flown.t.values > flown.impact_time.values[0]
+    assert flown.outcome == "stays for ever" and flown.trust.item() == "certified"
+    np.testing.assert_allclose(np.hypot(flown.x, flown.y).values[later], 1.0, rtol=1e-13)
+
+
+@pytest.mark.parametrize(("r", "start"), [(0.0, (-0.34, 2.8, -0.12, 0.0)), (0.4, (0.5, 2.5, 0.2, 0.0))])
+def test_a_ball_without_a_radius_comes_to_rest_in_a_corner(r, start):
+    """It fell through, certified: moving away from one side of a face it met the other one, at the same place."""
+    faces = [gz.segment("a", (-2, 2), (0, 0), gz.newton(r)), gz.segment("b", (0, 0), (2, 1.5), gz.newton(r))]
+    flown = gz.trajectory(gz.table(faces, tilt=1.0), start, until=100.0, samples=2)
+    assert flown.outcome == "stays for ever" and hypot(flown.x[-1], flown.y[-1]) < 1e-3

@@ -121,8 +121,6 @@ def broken(_state, _p):
             lambda: table(yes, objects=(LEFT, RIGHT, gz.disc("gate_of_L", (3, 9), 0.1, LAW))),
             "as a gate of the",
         ),
-        (lambda: gz.collision_map(table(yes)), "worked by a strategy, which does not repeat"),
-        (lambda: gz.launch_map(table(yes), (3.0, 8.5)), "gz.launches follows it"),
         (lambda: gz.trajectory(table(broken), (2.0, 4.0, 0, 0), until=9.0), "the strategy raised ZeroDivisionError"),
         (lambda: gz.trajectory(table(lambda s, p: float("nan")), (2.0, 4.0, 0, 0), until=9.0), "returned nan for the"),
         (lambda: gz.launches(table(lambda s, p: None), (2.0, 4.0), [0.0], [0.0]), "returned None for the ball"),

@@ -8,8 +8,11 @@ import pytest
 from PIL import Image
 
 import grazing as gz
+from grazing import catalogue
 from grazing.cli import main
 from grazing.config import command_of, load_config, recipe_of, result_of
+from grazing.config.check import checked
+from grazing.studies.escape import escape
 
 BALL = ["x=5.275", "y=0.7", "vx=0", "vy=17"]
 OWN = """
@@ -125,3 +128,26 @@ def test_studies_of_maps_take_a_table(capsys, folder):
 def test_what_means_nothing_is_refused(capsys, tokens, words):
     err = said(capsys, *tokens, code=2)
     assert words in err and "Traceback" not in err
+
+
+def test_a_trajectory_begins_in_the_plunger_unless_it_is_told_where(tmp_path):
+    shot = {"study": "trajectory", "table": "classic", "settings": {"until": 0.1}}
+    for own, speed in (({}, gz.read_table("classic").plunger.fast), ({"plunger.fast": 13.0}, 13.0)):
+        state = checked(shot | {"parameters": own})["settings"]["state"]
+        assert state == pytest.approx([5.275, 0.7, 0.0, speed], abs=1e-12)
+    (tmp_path / "bare.toml").write_text('[objects]\nout = { kind = "drain", x1 = 0.0, y1 = 0.0, x2 = 6.0, y2 = 0.0 }\n')
+    with pytest.raises(gz.InputError, match="state"):
+        checked(shot | {"table": str(tmp_path / "bare.toml")})
+
+
+def test_escape_rates_are_those_of_python(capsys):
+    few = ["--orbits", "100", "--transient", "1", "--steps", "1", "--populations", "2"]
+    out = said(capsys, "escape", "--table", "one_bumper", *few, "bumper.V=0.2,0.8", "--json")
+    for row in json.loads(out)["found"]["rates"]:
+        P = gz.collision_map(gz.read_table("one_bumper").replace(**{"bumper.V": row["bumper.V"]}))
+        rate = gz.escape_rate(P, orbits=100, transient=1, steps=1, populations=2)
+        assert (row["rate"], row["error"]) == (rate.rate, rate.error)
+    alone = escape(P, orbits=100, transient=1, steps=1, populations=2)
+    told = "\n".join(catalogue.escape.words(catalogue.escape.found(alone)))
+    assert alone.rate.dims == () and "escape rate a step" in told
+    assert "2 populations of 100 orbits over 1 steps" in told

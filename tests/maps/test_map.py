@@ -201,3 +201,7 @@ def test_a_step_that_does_not_compile_names_the_construct():
     P = gz.Map(opens, params={"a": 1.0})
     with pytest.raises(gz.UserCodeError, match=r"the step of opens does not compile: .*Use arithmetic on floats"):
         P((0.5,))
+
+
+def test_a_block_is_checked_over_many_states():
+    gz.testing.check_map(gz.stroboscopic_map(gz.pinball(d=0.11, V=0.4)), states=1, steps=701)

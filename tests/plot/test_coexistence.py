@@ -90,6 +90,24 @@ def test_lifetimes_are_lines():
     plot.rendered(both, "png")  # nothing positive on a logarithmic axis
 
 
+def test_a_lifetime_of_nothing_is_drawn_where_it_is():
+    result = results.coexistence()
+    result.lifetime[3, 0] = 0.0
+    line = plot.coexistence(result, of="lifetime")["lines"][0]
+    low, high = line.axes.get_ylim()
+    assert line.get_ydata()[3] == 0.0 and low < 0.0 < high and 0.0 in line.axes.get_yticks()
+
+
+def test_a_part_of_a_result_marks_its_own_changes():
+    result = results.coexistence().isel(mu=slice(20, 60))
+    drawn = plot.coexistence(result)["changes"]
+    low, high = result.mu.values[[0, -1]]
+    middle = 0.5 * (result.before + result.after).values
+    there = middle[(middle > low) & (middle < high)]
+    assert sorted(x for line in drawn.values() for x in line.get_xdata()) == sorted(there)
+    assert 0 < there.size < middle.size
+
+
 def test_two_panels():
     fig, axes = plot.panels(174, 130, 2, 1, sharex=True)
     for ax, of in zip(axes, ("share", "lifetime"), strict=True):

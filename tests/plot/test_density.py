@@ -79,6 +79,8 @@ def test_what_the_raster_leaves_out_is_said():
     assert plot.density(whole)["note"].get_text() == "1 start ended"
     few = whole.assign(above=whole["above"] + np.where(np.arange(60) == 0, 1, 0), ended=0 * whole["ended"])
     assert plot.density(few)["note"].get_text() == "less than 0.01 % of the points lie outside"
+    most = few.assign(above=few["above"] + 999 * few["count"].sum("x"))
+    assert plot.density(most)["note"].get_text() == "99.9 % of the points lie outside"
 
 
 def test_an_empty_raster_can_be_drawn():

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_rgba
+from matplotlib.colors import LogNorm, to_rgba
 
 import grazing as gz
 from tests.maps.test_collisions import pinball
@@ -34,10 +34,30 @@ def test_lifetimes_are_on_a_logarithmic_scale_and_line_up_for_one_angle(found):
     by = gz.plot.launches(found, by="time")
     values = np.ma.filled(by["image"].get_array(), np.nan)
     left = found.time.values[(found.exit.values != "") & np.isfinite(found.time.values)]
-    assert np.nanmax(values) == pytest.approx(np.log10(left.max())) and by["bar"] is not None
+    assert (
+        np.nanmax(values) == pytest.approx(left.max())
+        and isinstance(by["image"].norm, LogNorm)
+        and by["bar"] is not None
+    )
     line = gz.plot.launches(found.isel(angle=[4]), by="hits")
     points = [tuple(xy) for one in line["points"] for xy in one.get_xydata().tolist()]
     assert sorted(points) == sorted(zip(found.speed.values.tolist(), found.hits.values[4].tolist(), strict=True))
+
+
+def test_no_impact_is_told_from_one_and_ways_without_room_are_summed_up(found):
+    few = found.isel(angle=slice(4), speed=slice(4))
+    few = few.assign(
+        hits=few.hits.copy(data=np.arange(16).reshape(4, 4)), exit=few.exit.copy(data=np.full((4, 4), "a"))
+    )
+    few.exit[3, 3] = ""
+    drawn = gz.plot.launches(few, by="hits")
+    cells = np.ma.asarray(drawn["image"].get_array())
+    assert cells[0, 0] == 0 and cells.mask[-1, -1] and drawn["bar"].ax.get_yticks()[:2].tolist() == [0.0, 1.0]
+    shades = drawn["image"].to_rgba(np.arange(15.0))
+    assert len({*map(tuple, shades)}) == 15
+    many = few.assign(exit=few.exit.copy(data=np.array([f"out{k}" for k in range(16)]).reshape(4, 4)))
+    said = [text.get_text() for text in gz.plot.launches(many)["legend"].get_texts()]
+    assert len(said) == 14 and said[-1].startswith("3 more: 19 %")
 
 
 def test_another_result_is_refused(found):

@@ -4,9 +4,13 @@ from io import BytesIO
 
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.path import Path
+from matplotlib.transforms import Affine2D, BboxTransformTo
 from PIL import Image
 
 import grazing as gz
+from grazing.plot.animation import Film
 from tests.billiard.flippers import pair
 from tests.billiard.tables import mixed, three_discs
 from tests.maps.test_collisions import pinball
@@ -24,6 +28,37 @@ def test_a_table_is_drawn_to_scale_with_every_object():
     assert not gz.plot.table(table, names=False)["figure"].axes[0].texts
     low, high = ax.get_xlim()
     assert low < 0.0 and high > 6.0
+
+
+def test_names_cover_neither_each_other_nor_the_way_of_a_ball():
+    pins = [gz.disc(f"pin_{i}", (0.5 * i, 1.0), 0.1, gz.newton(0.5)) for i in range(5)]
+    walls = [gz.segment(f"wall_{i}", (2.4 + 0.2 * i, 0.0), (2.4, 2.0), gz.newton(0.5)) for i in range(2)]
+    drawn = gz.plot.table(gz.table([*pins, *walls, gz.drain("out", (0, 0), (2, 0))], rho=0.01, tilt=0.3))
+    figure, renderer = drawn["figure"], FigureCanvasAgg(drawn["figure"]).get_renderer()
+    figure.draw_without_rendering()
+    seen = [text for text in figure.axes[0].texts if text.get_visible() and text.get_text()]
+    boxes = []
+    for text in seen:
+        angle = text.get_rotation()
+        text.set_rotation(0.0)
+        box = text.get_window_extent(renderer)
+        turned = Affine2D().rotate_deg_around(*(0.5 * (box.min + box.max)), angle)
+        boxes.append(Path([[0, 0], [1, 0], [1, 1], [0, 1], [0, 0]]).transformed(BboxTransformTo(box) + turned))
+    assert len(seen) >= 4 and all(figure.axes[0].bbox.padded(1).contains(*at) for one in boxes for at in one.vertices)
+    assert not [i for i, one in enumerate(boxes) for other in boxes[:i] if one.intersects_path(other)]
+    assert all(text.get_zorder() < 4.0 for text in seen)  # that of the way
+
+
+@pytest.mark.parametrize("fps", [30, 35, 40, 50])
+def test_a_film_lasts_as_long_as_it_says(fps, tmp_path):
+    frames = int(0.2 * fps)
+    film = Film(fps=fps)
+    film.outfile = tmp_path / "film.gif"
+    film._frames = [Image.new("L", (2, 2), i) for i in range(frames)]
+    film.finish()
+    with Image.open(film.outfile) as made:
+        lasts = [made.seek(i) or made.info["duration"] for i in range(made.n_frames)]
+    assert len(lasts) == frames and abs(sum(lasts) - 1000.0 * frames / fps) <= 5.0
 
 
 def test_the_way_of_a_ball_is_that_of_the_trajectory():

@@ -74,8 +74,7 @@ def test_the_graze_is_where_it_is(along):
     x, y = line.get_xdata(), line.get_ydata()
     assert (y if along == "d" else x) == pytest.approx(result.graze.values)
     own = x if along == "d" else y
-    assert own[1:-1] == pytest.approx(result[along].values[1:-1])
-    assert (own[0], own[-1]) == pytest.approx((-0.05, 1.15) if along == "d" else (-0.05, 0.95))
+    assert own == pytest.approx(result[along].values)
     assert validity(result.assign(graze=result.graze + 9.0))["graze"] is None
 
 

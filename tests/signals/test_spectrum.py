@@ -55,6 +55,9 @@ def test_what_is_wrong_is_said():
         ((recorded.isel(t=slice(5)),), "there are 5 samples"),
         ((recorded, "w"), "of = 'w'; allowed are u, the position, and v, the velocity"),
         ((recorded, "u", "wide"), "window = 'wide'"),
+        ((recorded, "u", 1e5), r"window = 100000\.0 gives weights that are no numbers"),
+        ((recorded, "u", ()), r"window = \(\)"),
+        ((recorded, "u", ("chebwin", 1e5)), "window = "),
     ):
         with pytest.raises(gz.InputError, match=text):
             gz.spectrum(*arguments)

@@ -377,3 +377,16 @@ def test_periods_do_not_depend_on_the_unit_of_time(T):
 
     plain = periods(1.0)
     assert len(np.unique(plain)) > 2 and periods(T) == plain
+
+
+def test_beside_a_multiplier_of_one_a_search_ends_undecided():
+    """Every number of steps brings such an orbit nearer; cycles of all of them were sought, for minutes."""
+    settled = classify(LOGISTIC.replace(a=1.0), *algebraic(3000))
+    assert settled.period.tolist() == [0]
+
+
+def algebraic(keep):
+    x = [0.5]
+    for _ in range(keep - 1):
+        x.append(x[-1] * (1.0 - x[-1]))
+    return np.array(x)[:, None, None], np.zeros((keep, 1), np.int64), np.zeros(1, np.int64)

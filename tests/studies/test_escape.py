@@ -5,6 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.outcome import ESCAPED
+from grazing.studies.escape import aside
 from tests.billiard.directions import cycles_of_directions
 from tests.billiard.orbits import active_discs, bowl, pinball
 from tests.billiard.tables import three_discs
@@ -32,8 +33,22 @@ def test_a_piecewise_linear_map_lets_go_of_what_its_slopes_say():
 
 def test_many_small_populations_are_as_right_as_their_error_says():
     """Means of logarithms of shares, of populations with few orbits, were too large by twice the error."""
-    found = gz.escape_rate(leaky(), orbits=150, transient=5, steps=10, populations=100, threads=1)
+    found = gz.escape_rate(leaky(), orbits=200, transient=5, steps=10, populations=100, stir=0.02, threads=1)
     assert abs(found.rate - np.log(3.0)) < 2.5 * found.error < 0.03
+
+
+def tent(x, p):
+    """A tent of slope 3 over [0, 1], from below and above which everything escapes."""
+    y = 3.0 * min(x[0], 1.0 - x[0])
+    return (y,), 0, ESCAPED if x[0] < 0.0 or x[0] > 1.0 or y > 1.0 else 0
+
+
+def test_copies_are_not_moved_out_of_the_box():
+    """Those beside its ends escaped for having been moved: the rate was too large by seven times its error."""
+    leaving = gz.Map(tent, coordinates=("x",), box=((0.0, 1.0),), name="tent")
+    found = gz.escape_rate(leaving, orbits=2000, transient=5, steps=20, threads=1)
+    assert abs(found.rate - np.log(1.5)) < 3.0 * found.error < 0.02
+    assert aside(np.array([[1.0]]), np.array([[5.25]]), np.array([[0.0, 2.0]])) == [[1.75]]
 
 
 @pytest.mark.parametrize(

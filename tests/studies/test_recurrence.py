@@ -13,7 +13,9 @@ from grazing.studies.recurrence import (
     compiled_numbering,
     compiled_recurrence,
     compiled_spelling,
+    least_lags,
     may_repeat,
+    next_cycle,
     same_letters,
     spoken,
 )
@@ -110,3 +112,30 @@ def test_keys_of_words_forget_where_an_orbit_was_seen():
     assert len(set(key[0].tolist())) == 1 and (length == 5).all()
     for j in range(5):
         assert letters[0, begin[0, j] - 10 :, j][:5].tolist() == word.tolist()
+
+
+class Counted:
+    """An array that counts how often it is read."""
+
+    def __init__(self, values):
+        self.values, self.shape, self.read = values, values.shape, 0
+
+    def __getitem__(self, place):
+        self.read += 1
+        return self.values[place]
+
+
+@pytest.mark.parametrize("kind", ["late to settle", "chaotic"])
+def test_long_orbits_take_no_time_that_grows_with_the_square(kind):
+    keep = 600
+    orbit = np.arange(keep) % 2 + np.where(np.arange(keep) < 9, 0.3, 0.0)
+    for k in range(1, keep if kind == "chaotic" else 0):
+        orbit[k] = 3.9 * orbit[k - 1] * (1.0 - orbit[k - 1]) if k > 1 else 0.3
+    x = Counted(np.repeat(orbit[:, None, None], LANES, axis=2))
+    s = np.zeros((keep, LANES), np.int64)
+    ones, lag = np.ones((1, LANES)), np.zeros(LANES, np.int64)
+    least_lags(x, s, 1e-9 * ones, lag + 1, lag + 1, lag)
+    assert not lag.any() and x.read < 20 * LANES * keep  # of 600 * 300 pairs for each lane
+    x.read = 0
+    assert next_cycle(x, s, 0, ones, 1e-9 * ones, 0, 0, 3) == (0 if kind == "chaotic" else 4)
+    assert x.read < 20 * keep

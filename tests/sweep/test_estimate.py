@@ -39,6 +39,7 @@ def test_a_cell_that_takes_too_long_gives_a_bound(monkeypatch):
             yield
 
     object.__setattr__(some, "compute", endless)
+    object.__setattr__(some, "work", 1)
     found = sweep.estimate(some, threads=1)
     assert found.timed == 0 and 0.5 <= found.seconds < 5.0
     assert "more than" in str(found)

@@ -7,7 +7,7 @@ from grazing import theory
 from grazing.outcome import InputError
 
 BAD_PERIODS = [0, -1, 2.5, 3.0, math.nan, True, "3", None, [1, 0], [1.0], 1 + 0j]
-BAD_LAMS = [0.0, 1.0, -0.1, 1.5, math.nan, math.inf, True, "a", None]
+BAD_LAMS = [0.0, 1.0, -0.1, 1.5, math.nan, math.inf, np.finfo(np.longdouble).max, True, "a", None]
 BAD_GAPS = [-1e-300, -1, math.nan, math.inf, "0", None, False]
 
 

@@ -106,3 +106,16 @@ def test_long_orbits_keep_their_small_points_exact():
     points = theory.maximal_orbit(N, lam, mu, l)
     assert lam * points[-2] + mu == pytest.approx(points[-1], rel=1e-6, abs=1e-12 * mu)
     assert word(points[0], N, lam, mu, l) == "L" * (N - 1) + "R"
+
+
+@pytest.mark.parametrize(("N", "lam", "mu", "l"), [(2, 2.0e-12, 0.97, 0.0), (2, 1e-6, 3e-4, 0.5), (3, 0.6, 0.1, 0.0)])
+def test_points_keep_their_digits_at_small_slopes(N, lam, mu, l):
+    """At lam = 2e-12 the least point was off by 2e-5: backwards alone it cancels, and is divided by lam."""
+    with mpmath.workdps(60):
+        a, m, gap = map(mpmath.mpf, (lam, mu, l))
+        c = a ** (N - 1)
+        s = (-c + mpmath.sqrt(c * c + 4 * (m * (1 - a**N) / (1 - a) - c * gap))) / 2
+        exact = [m - gap - s]
+        for _ in range(N - 1):
+            exact.append(a * exact[-1] + m)
+        np.testing.assert_allclose(theory.maximal_orbit(N, lam, mu, l), np.array(exact, float), rtol=2e-14)

@@ -10,7 +10,18 @@ from grazing.billiard.march import first_contact
 from grazing.billiard.rows import FLIPPERS, GRAVITY, LENGTH
 from grazing.billiard.slide import HITS, LEAVES, STAYS, WAITS, pressing, slide
 from grazing.kernel.primitives import inlined, unit
-from grazing.outcome import BAD_LAW, CHATTER, DIVERGED, ESCAPED, FATAL, NO_IMPACT, STUCK, TOO_MANY_SWINGS
+from grazing.outcome import (
+    AMBIGUOUS,
+    BAD_LAW,
+    CHATTER,
+    DIVERGED,
+    ESCAPED,
+    FATAL,
+    GRAZE,
+    NO_IMPACT,
+    STUCK,
+    TOO_MANY_SWINGS,
+)
 
 NAN, INFINITY = float("nan"), float("inf")
 NONE = (NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN)
@@ -109,8 +120,9 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
     x, y, vx, vy = state
     if flags & FATAL:
         return (surface, -1, t, flags, left), state, state, NONE
-    if flags & STUCK:
-        return (surface, -1, 0.0, flags | CHATTER, surface + ON), state, state, NONE
+    if flags & STUCK:  # there is no flight, so what was doubtful about it is nothing: a slide begins
+        flags = (flags | CHATTER) & ~(GRAZE | AMBIGUOUS)
+        return (surface, -1, 0.0, flags, surface + ON), state, state, NONE
     if surface < 0:
         return (surface, -1, INFINITY, flags | ESCAPED, left), state, state, NONE
     if not t < INFINITY:

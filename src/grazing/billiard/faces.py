@@ -16,7 +16,7 @@ from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, STUCK
 INFINITY = float("inf")
 #: Flags with which the search for a contact ends.
 STOP = FATAL | STUCK
-#: Errors of a gap within which a ball without a radius is in a corner.
+#: Errors of a gap within which a ball without a radius is in a corner: as many as a slide along the face makes.
 CORNER = 4.0
 
 
@@ -58,7 +58,7 @@ def body_of(surface: int, faces: int, circles: int, rows: Any) -> Any:
 def face_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
     """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-."""
     dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
-    e = CORNER * GAP * EPS * (abs(dx) + abs(dy))
+    e = CORNER * GAP * EPS * (abs(dx) + abs(dy) + row[LONG])
     way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
     if abs(way) <= e:  # one line goes on as the other: it leaves both
         way = ey * vx - ex * vy
@@ -120,13 +120,13 @@ def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, la
 @inlined
 def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: float) -> Any:
     """Return (met, t, late): whether one side of a face is met beyond doubt, and when; False if that is in doubt."""
-    (dx, dy), (vx, vy), (ex, ey, size, _long) = along, v, face
+    (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
     sign, fresh = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0, last == surface
     off, e, d = ey * dx - ex * dy, GAP * EPS * (abs(dx) + abs(dy) + size), GAP * EPS * (abs(vx) + abs(vy))
     h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
     t, late, said = face_root(h, rate, bend, e, d, fresh)
     on, unsure = on_face(t, late, along, v, face, g, INFINITY)
-    deep = not fresh and (h < -e or (size == 0.0 and last >= 0.0 and abs(off) <= CORNER * e))
+    deep = not fresh and (h < -e or (size == 0.0 and last >= 0.0 and abs(off) <= CORNER * (e + GAP * EPS * long)))
     return on and not deep and (said | unsure) == OK, t, late
 
 
@@ -210,7 +210,7 @@ def of_face(
     if last // 2 != i and inside_face(off, ex * dx + ey * dy, size, row[LONG], e):
         return ended(found, 2 * i, 0.0, INSIDE_WALL)
     corner, way = False, 0.0
-    if size == 0.0 and last >= 0 and abs(off) <= CORNER * e and last // 2 != i:
+    if size == 0.0 and last >= 0 and last // 2 != i:
         corner, way = face_corner(row, x, y, vx, vy, body_of(last, faces, circles, rows))
     for side in range(2):
         sign, surface = 2.0 * side - 1.0, 2 * i + side

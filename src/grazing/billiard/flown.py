@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from functools import lru_cache
 from math import ceil
 from typing import TYPE_CHECKING, Any
@@ -153,13 +154,19 @@ def flights_of(table: Table, state: tuple[float, ...], start: float, until: floa
 
 
 def played_flights(
-    table: Table, state: tuple[float, ...], start: float, until: float, most: int = MAX_IMPACTS
+    table: Table, state: tuple[float, ...], start: float, until: float, most: int = MAX_IMPACTS, left: float = -1.0,
+    pressed: dict[str, list[float]] | None = None, once: bool = False,
 ) -> tuple[Floats, dict[str, list[float]]]:  # fmt: skip
-    """Return what :func:`flights_of` does, and when a strategy has pressed and released which buttons."""
-    block, gates, pressed = table.blocks(table.row())[0], len(table.objects), dict[str, list[float]]()
-    now, found, count, going, shut = np.array([start, -1.0, *state]), [], 0, True, None
+    """Return what :func:`flights_of` does, and when a strategy has pressed and released which buttons.
+
+    What was ``pressed`` before, and the surface just left, if any; ``once``: up to the first impact.
+    """
+    gates, pressed = len(table.objects), {} if pressed is None else pressed
+    block = block_played(table, pressed)
+    now, found, count, going, shut = np.array([start, left, *state]), [], 0, True, None
     while going:
-        flights, going = followed(block if shut is None else shut, now, until, most - count if shut is None else 1)
+        many = most - count if shut is None and not once else 1
+        flights, going = followed(block if shut is None else shut, now, until, many)
         found.append(flights)
         count, shut = count + len(flights), None
         last = flights[-1]
@@ -171,13 +178,22 @@ def played_flights(
         gate, t = int(last[OWNER]) - gates, float(now[0] + last[TIME])
         if gate >= 0 and t <= until:
             if press_at(table, gate, t, last, pressed):
-                block = table.blocks(table.row(), player=Presses({k: tuple(v) for k, v in pressed.items()}))[0]
+                block = block_played(table, pressed)
             shut = through(block, last, t, now)
             going = True
+        if once and not np.isnan(last[BEFORE]):
+            break
         if going and count >= most:
             last[FLAGS] = int(last[FLAGS]) | TOO_MANY_IMPACTS
             break
     return np.concatenate(found), pressed
+
+
+def block_played(table: Table, pressed: Mapping[str, Sequence[float]]) -> Floats:
+    """Return the block of a table whose player has pressed and released buttons at some times."""
+    player = Presses({name: tuple(times) for name, times in pressed.items()}) if pressed else None
+    block: Floats = table.blocks(table.row(), player=player)[0]
+    return block
 
 
 def press_at(table: Table, gate: int, t: float, flight: Floats, pressed: dict[str, list[float]]) -> bool:

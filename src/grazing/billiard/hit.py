@@ -181,9 +181,18 @@ def is_open(owner: int, table: Any) -> Any:
     return table[HEAD + THING * owner + OPEN] > 0.0
 
 
+@inlined
+def away_of(table: Any) -> Any:
+    """Return how many objects there are, the number of *away* too: gates, behind them, are none."""
+    things = int(table[THINGS])
+    while things > 0 and table[HEAD + THING * (things - 1) + OPEN] > 1.0:
+        things -= 1
+    return things
+
+
 def way_at(number: float, table: Any) -> int:
     """Return the way out of a number, a drain or, behind all objects, *away*; -1 for a number of none."""
-    things = int(table[THINGS])
+    things = away_of(table)
     if not (number >= 0.0 and number < things + 1.0):
         return -1
     way = int(number)

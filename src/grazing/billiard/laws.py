@@ -1,4 +1,4 @@
-"""The laws of a table's objects by address, compiled or for plain Python: kernels get them in the table's block."""
+"""Laws of a table's objects, and a strategy, by address: compiled or in plain Python. Kernels get them in the block."""
 
 from __future__ import annotations
 
@@ -6,7 +6,8 @@ from collections.abc import Callable
 from functools import lru_cache
 from typing import Any
 
-from grazing.kernel.compile import address
+from grazing.billiard.strategy import Strategy
+from grazing.kernel.compile import address, jit_disabled
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import pointed
 from grazing.oscillator.reset import Reset, in_python
@@ -42,3 +43,30 @@ def addresses(law: Reset | None, arithmetic: str) -> tuple[float, float]:
         address(law_at(law.law, kind), "value", arithmetic, who),
         address(law_at(law.slope, kind), "value", arithmetic, f"the slope of {law.name}"),
     )
+
+
+@lru_cache(maxsize=256)
+def strategy_at(flip: Callable[..., bool], kind: type) -> Callable[..., None]:
+    """Return a strategy that writes 1 or 0 down, and gets its parameters as numbers in a row."""
+    unpack = unpacker(kind)
+
+    def strategy_at_row(state: Any, row: Any, found: Any, said: Any) -> None:
+        found[0] = 1.0 * flip((state[0], state[1], state[2], state[3]), unpack(row))
+
+    return strategy_at_row
+
+
+@lru_cache(maxsize=256)
+def _asked_in_python(player: Strategy, names: tuple[str, ...]) -> float:
+    def asked(state: Any, row: Any, found: Any, _said: Any) -> None:
+        found[0] = float(player.asked(tuple(state), dict(zip(names, row[: len(names)], strict=True))))
+
+    pointed.append(asked)
+    return float(len(pointed) - 1)
+
+
+def strategy_address(player: Strategy, names: tuple[str, ...], arithmetic: str) -> float:
+    """Return where a strategy lies: compiled in an arithmetic, or with "python" for plain Python."""
+    if arithmetic == "python" or jit_disabled():
+        return _asked_in_python(player, names)
+    return address(strategy_at(player.flip, parameter_tuple(names)), "derivative", arithmetic, "the strategy")

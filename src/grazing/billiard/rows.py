@@ -33,7 +33,8 @@ Floats = NDArray[np.float64]
 #: The head of a block: gravity along -y, how many faces, circles, sides of arcs and objects there are, the length of
 #: all places on solid objects, and how many flippers there are.
 GRAVITY, FACES, CIRCLES, SIDES, THINGS, LENGTH, FLIPPERS, HEAD = range(8)
-#: Of an object: addresses of its law, the slope of that and its parameters; 1 for a drain, 0 for a solid.
+#: Of an object: addresses of its law, the slope of that and its parameters; 0 for a solid, 1 for a drain, 2 for a gate,
+#: whose law is the strategy.
 LAW, SLOPE, ROW, OPEN, THING = range(5)
 #: Of a row: a point, D, the object; where its places begin, and how long they are; what follows depends on the kind.
 PX, PY, SIZE, OWNER, FROM, LONG = range(6)
@@ -158,9 +159,10 @@ class _Rows:
         self.place += places_of(row)
 
 
-def block_of(things: Sequence[Thing], surfaces: Surfaces, gravity: float) -> Floats:
-    """Return a table as one block of numbers; where its laws lie is still to be written."""
+def block_of(things: Sequence[Thing], surfaces: Surfaces, gravity: float, gates: int = 0) -> Floats:
+    """Return a table as one block of numbers; where its laws lie is still to be written. The last things are gates."""
     head = [gravity, len(surfaces.faces), len(surfaces.circles), len(surfaces.sides), len(things), surfaces.length]
     head.append(len(surfaces.flippers))
-    objects = [[0.0, 0.0, 0.0, float(one.kind == DRAIN)] for one in things]
+    kinds = [float(one.kind == DRAIN) if i < len(things) - gates else 2.0 for i, one in enumerate(things)]
+    objects = [[0.0, 0.0, 0.0, kind] for kind in kinds]
     return np.concatenate([head, np.ravel(objects), *(rows.ravel() for rows in (*surfaces[:3], *surfaces[4:]))])

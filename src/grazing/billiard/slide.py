@@ -25,7 +25,8 @@ from grazing.billiard.elements import (
     turns_at,
     width_of,
 )
-from grazing.billiard.rows import GRAVITY
+from grazing.billiard.hit import first_turning
+from grazing.billiard.rows import CIRCLES, FACES, GRAVITY
 from grazing.billiard.swept import horizon, swept
 from grazing.billiard.swing import swing
 from grazing.kernel.elementary import arccos, arctan2
@@ -71,6 +72,17 @@ def onto(surface: int, el: Any, x: float, y: float, nx: float, ny: float, clock:
     return -1
 
 
+def is_bare(surface: int, el: Any, table: Any) -> bool:
+    """Say whether the other side of a surface is at the same place: the ball has no radius."""
+    if el[0] == 0.0:
+        return el[6] == 0.0 and surface < first_turning(table)
+    base = 2 * int(table[FACES]) + int(table[CIRCLES])
+    if surface < base or surface >= first_turning(table):
+        return False
+    twin = element(base + ((surface - base) ^ 1), 0.0, table)
+    return twin[1] == el[1] and twin[6] == el[6]  # type: ignore[no-any-return]
+
+
 @inlined
 def touched(el: Any, other: Any, x: float, y: float, nx: float, ny: float, way: float, width: float) -> Any:
     """Return whether a surface that the ball touches lets it pass: HITS, ONTO, or STAYS for free."""
@@ -103,6 +115,9 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
         h = gap_of(to, x, y)
         if h <= width and h >= -DEEP * width and holds(to, x, y, width):
             how = touched(el, to, x, y, nx, ny, way, width)
+            if how == HITS and is_bare(other, to, table):  # in a corner: what it moves away from is not before it
+                fast = speed * way > 0.0 and speed * speed > 2.0 * g * DEEP * width
+                how = STAYS if fast or to_end(el, x, y, -way) <= width else HITS
             s = 0.0 if how != STAYS else INFINITY
         elif el[0] == 0.0:
             s, touch = ahead_on_line(x, y, -way * ny, way * nx, to, width)

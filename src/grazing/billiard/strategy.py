@@ -9,17 +9,33 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
+from math import copysign, inf
 from types import MappingProxyType
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
-from grazing.billiard.objects import Thing, drain
+from grazing.billiard.objects import FLIPPER, Thing, drain
 from grazing.billiard.players import HOLD, Flips, Piece, Presses, pieces_of, refuse_others
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, UserCodeError, raised, shown
 from grazing.parameter import Parameter
+
+Floats = NDArray[np.float64]
+#: Pieces of the motion of a flipper that a gate works: up, there, down, at rest.
+MOTION = 4
+
+
+class Named(dict[str, float]):
+    """Parameters by name, ``p["A.V"]``, and as kernels have them, ``p.A_V``."""
+
+    def __getattr__(self, name: str) -> float:
+        for known, value in self.items():
+            if known.replace(".", "_") == name:
+                return value
+        raise AttributeError(f"no parameter {name!r}; there are {', '.join(self)}")
 
 
 @dataclass(frozen=True, eq=False)
@@ -86,14 +102,42 @@ class Strategy(ByValue):
         """Return the player."""
         return self
 
-    def motion(self, _name: str, shape: Mapping[str, float], _params: Mapping[str, float]) -> tuple[float, list[Piece]]:
-        """Return the motion of a flipper whose button was never pressed."""
-        return 0.0, pieces_of(shape, ())
+    def motion(self, name: str, shape: Mapping[str, float], _params: Mapping[str, float]) -> tuple[float, list[Piece]]:
+        """Return the motion of a flipper whose button was never pressed, with room for one whose button is."""
+        still = pieces_of(shape, ())
+        return 0.0, still + [still[0]._replace(begin=inf)] * (MOTION - 1 if name in self.gates else 0)
+
+    def pressed_before(self, motions: Sequence[float], shapes: Mapping[str, Any]) -> dict[str, list[float]]:
+        """Return a recording after which flippers have turned and stay pressed, two numbers for each gate, at t = 0."""
+        found = {}
+        for name, turned, held in zip(self.gates, motions[::2], motions[1::2], strict=True):
+            shape = shapes[name]
+            stroke = abs(shape["raised"] - shape["rest"])
+            if held > 0.0:
+                found[name] = [-turned / shape["up"], held]
+            elif turned > 0.0:
+                end = -(stroke - turned) / shape["down"]
+                found[name] = [end - 2.0 * stroke / shape["up"], end]
+        return found
+
+    def rows(self, things: Sequence[Thing], params: Mapping[str, float]) -> Floats:
+        """Return what kernels know of the gates, see :mod:`grazing.billiard.gates`: at first, flippers at rest."""
+        flippers, found = [one.name for one in things if one.kind == FLIPPER], []
+        for name in self.gates:
+            rest, raised, up, down = (params[f"{name}.{what}"] for what in ("rest", "raised", "up", "down"))
+            way = copysign(1.0, raised - rest)
+            found += [flippers.index(name), rest, way, abs(raised - rest), up, down, self.hold, 0.0, 0.0, 0.0]
+        return np.array(found)
+
+    def tried(self, params: Mapping[str, float]) -> None:
+        """Ask the function once at the middle of each gate; raise UserCodeError if it fails."""
+        for (x1, y1), (x2, y2) in self.gates.values():
+            self.asked((0.5 * (x1 + x2), 0.5 * (y1 + y2), 0.0, 0.0), params)
 
     def asked(self, state: tuple[float, ...], params: Mapping[str, float]) -> bool:
         """Ask the function; raise UserCodeError for one that fails, or does not say yes or no."""
         try:
-            said = self.flip(state, params)
+            said = self.flip(state, Named(params))
         except Exception as error:
             raise UserCodeError(
                 f"the strategy raised {raised(error)} for the ball {shown(state)}; let it return True or False"
@@ -112,14 +156,13 @@ def strategy(flip: Callable[..., bool], gates: Mapping[str, Any], hold: float) -
     """Return a player who looks at the ball, and presses a button, or not, where the ball enters a zone.
 
     What happens is decided by the ball alone. A gate lies where the zone begins; it is crossed from either side and
-    stops nothing. While a button is pressed nobody asks again. The function is called between flights, so that
-    compiled maps, :func:`grazing.collision_map` and :func:`grazing.launch_map`, refuse a table with it.
+    stops nothing. While a button is pressed nobody asks again.
 
     Parameters
     ----------
     flip : callable
         ``flip(state, p)`` returns True to press the button: ``state`` (x, y, vx, vy) of the ball's centre at the gate,
-        ``p`` the parameters of the table by name.
+        ``p`` the parameters of the table by name, ``p["A.V"]`` or ``p.A_V``. For maps it is compiled: plain arithmetic.
     gates : mapping of names to lines
         ``((x1, y1), (x2, y2))`` by the flipper's name.
     hold : float
@@ -128,9 +171,9 @@ def strategy(flip: Callable[..., bool], gates: Mapping[str, Any], hold: float) -
     Returns
     -------
     Strategy
-        For ``player=`` of :func:`grazing.table`; :func:`grazing.trajectory` and :func:`grazing.launches` follow it,
-        from flippers at rest. A trajectory says in ``attrs["presses"]`` what was pressed, as :func:`grazing.presses`
-        takes it.
+        For ``player=`` of :func:`grazing.table`; :func:`grazing.trajectory`, :func:`grazing.launches` and
+        :func:`grazing.launch_map` follow it from flippers at rest, :func:`grazing.collision_map` from any state. A
+        trajectory says in ``attrs["presses"]`` what was pressed, as :func:`grazing.presses` takes it.
 
     Raises
     ------

@@ -10,7 +10,7 @@ from math import sqrt
 from typing import Any
 
 from grazing.kernel.elementary import sincos
-from grazing.kernel.primitives import replaced
+from grazing.kernel.primitives import inlined, replaced
 from grazing.outcome import AMBIGUOUS, OK, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
@@ -25,6 +25,13 @@ NEAR = 1e-13
 
 def series(a: float, w: float, b: float) -> Any:
     """Return the Taylor coefficients of the angle, from its value and rate."""
+    angle, _sine = series_with_sine(a, w, b)
+    return angle
+
+
+@inlined
+def series_with_sine(a: float, w: float, b: float) -> Any:
+    """Return those of the angle and of its sine."""
     sine, cosine = sincos(a)
     angle, c, s = replaced(replaced(ZEROS, 0, a), 1, w), replaced(ZEROS, 0, cosine), replaced(ZEROS, 0, sine)
     for k in range(TERMS - 1):
@@ -35,7 +42,18 @@ def series(a: float, w: float, b: float) -> Any:
             dc -= rate * s[k - j]
             ds += rate * c[k - j]
         c, s = replaced(c, k + 1, dc / (k + 1.0)), replaced(s, k + 1, ds / (k + 1.0))
-    return angle
+    return angle, s
+
+
+def varied(sine: Any, b: float, y: float, rate: float) -> Any:
+    """Return the Taylor coefficients of a small change y of the angle, y'' = b y sin a, from its value and rate."""
+    found = replaced(replaced(ZEROS, 0, y), 1, rate)
+    for k in range(TERMS - 1):
+        push = 0.0
+        for j in range(k + 1):
+            push += sine[j] * found[k - j]
+        found = replaced(found, k + 2, b * push / ((k + 1.0) * (k + 2.0)))
+    return found
 
 
 def value(terms: Any, t: float) -> Any:
@@ -112,3 +130,20 @@ def swung(a: float, w: float, b: float, end: float) -> Any:
         return 0.0, w
     _t, turned, rate, _which, _flags = swing(a, w, b, -INFINITY, INFINITY, end)
     return turned, rate
+
+
+def swung_by(a: float, w: float, b: float, end: float) -> Any:
+    """Return how angle and rate after a time depend on those before: (aa, ab, ba, bb), row by row."""
+    t, aa, ab, ba, bb = 0.0, 1.0, 0.0, 0.0, 1.0
+    scale = scale_of(w, b)
+    if scale == 0.0:
+        return 1.0, end, 0.0, 1.0
+    for _ in range(MOST):
+        angle, sine = series_with_sine(a, w, b)
+        step = min(STEP / scale_of(w, b), end - t)
+        one, other = varied(sine, b, aa, ba), varied(sine, b, ab, bb)
+        (turned, w), (change, ba), (also, bb) = value(angle, step), value(one, step), value(other, step)
+        a, aa, ab, t = a + turned, aa + change, ab + also, t + step
+        if not t < end:
+            break
+    return aa, ab, ba, bb

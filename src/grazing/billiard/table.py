@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.billiard.distance import SLACK, crosses, distance, room_of
 from grazing.billiard.flippers import tightest
 from grazing.billiard.flown import table_trajectory
-from grazing.billiard.laws import addresses
+from grazing.billiard.laws import addresses, strategy_address
 from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
 from grazing.billiard.outline import Outline, outline_of
@@ -179,10 +179,13 @@ class Table(ByValue):
             return known
         raise unknown(name, self.params, "the table")
 
-    def blocks(self, rows: Floats, arithmetic: str = "strict", player: Player | None = None) -> Floats:
+    def blocks(
+        self, rows: Floats, arithmetic: str = "strict", player: Player | None = None, asks: bool = False
+    ) -> Floats:
         """Return the numbers that kernels get, one block in a row for each row of parameters.
 
-        Gates of a strategy stand in it as drains behind all objects; ``player`` is what it has done so far.
+        Gates of a strategy stand in it as drains behind all objects; ``player`` is what it has done so far. Where a
+        kernel asks the strategy itself, that is compiled.
 
         ``rows`` (columns, parameters) are values in the order of :attr:`params`. A block points into itself: it must
         live as long as it is used.
@@ -194,7 +197,9 @@ class Table(ByValue):
             values = dict(zip(names, row.tolist(), strict=True)) | fixed
             things = (*self.objects, *gates)
             surfaces = surfaces_of(things, values["rho"], values, self.player if player is None else player)
-            block = block_of(things, surfaces, gravity_of(values["g"], values["tilt"]))
+            block = block_of(things, surfaces, gravity_of(values["g"], values["tilt"]), len(gates))
+            if isinstance(self.player, Strategy):
+                block = np.concatenate([block, self.player.rows(things, values)])
             found.append(np.concatenate([block, row, [0.0]]))  # a law without parameters looks at the last number
         first = np.array([names.index(f"{one.name}.{next(iter(one.params))}") + len(one.shape) for one in self.objects])
         laws = np.array([addresses(one.law, arithmetic) for one in self.objects])
@@ -202,7 +207,11 @@ class Table(ByValue):
         for block, own in zip(blocks, found, strict=True):
             objects = block[HEAD : HEAD + THING * n].reshape(n, THING)
             objects[:, LAW], objects[:, SLOPE] = laws.T
-            objects[:, ROW] = block.ctypes.data + block.itemsize * (len(own) - 1 - len(names) + first)
+            params = block.ctypes.data + block.itemsize * (len(own) - 1 - len(names))
+            objects[:, ROW] = params + block.itemsize * first
+            if asks and isinstance(self.player, Strategy):
+                of_gates = block[HEAD + THING * n : HEAD + THING * (n + len(gates))].reshape(-1, THING)
+                of_gates[:, LAW], of_gates[:, ROW] = strategy_address(self.player, tuple(names), arithmetic), params
         return blocks
 
     def row(self) -> Floats:

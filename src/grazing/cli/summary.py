@@ -18,7 +18,7 @@ def lines(summary: Mapping[str, Any], study: Study) -> list[str]:
     sizes = ", ".join(f"{name} {size}" for name, size in summary["sizes"].items())
     time = f"time:    {progress.duration(summary['seconds'])}"
     units = [*units_line(summary["units"]), *signs_line(summary)]
-    said = [printable(summary["title"], newlines=False), f"sizes:   {sizes}", *units, time]
+    said = [printable(summary["title"], newlines=False), *([f"sizes:   {sizes}"] if sizes else []), *units, time]
     none = f"nothing; -o {study.name}.png or -o result.nc keeps it"
     if not study.drawn_by:
         none = f"nothing; -o {study.name}s.nc keeps the table{', --save folder the proofs' if study.proves else ''}"

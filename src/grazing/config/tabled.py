@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 from functools import partial
+from math import cos, sin
 from typing import Any
 
 from grazing.catalogue import studies
@@ -11,8 +12,9 @@ from grazing.catalogue.study import COORDINATE
 from grazing.config.own import LONGEST
 from grazing.config.problems import Problem, unknown_key
 from grazing.config.schema import TABLE_MAPS
-from grazing.config.tables import shipped
-from grazing.outcome import shown
+from grazing.config.tables import read_table, shipped
+from grazing.config.values import number
+from grazing.outcome import GrazingError, shown
 
 
 def usual_map(study: str) -> str | None:
@@ -29,6 +31,26 @@ def with_map(raw: dict[str, Any], folder: str) -> None:
         raw.setdefault("map", kind)
     if raw["table"] not in shipped() and len(raw["table"]) <= LONGEST:
         raw["table"] = os.path.realpath(os.path.join(folder, raw["table"]))
+    study, settings = studies().get(str(raw.get("study"))), raw.get("settings", {})
+    if study is not None and study.flown and study.tables and isinstance(settings, dict) and "state" not in settings:
+        if (state := launched(raw["table"], raw.get("parameters"))) is not None:
+            raw["settings"] = {**settings, "state": state}
+
+
+def launched(file: str, parameters: Any) -> list[float] | None:
+    """Return the state of a ball that a table's plunger launches, as fast as it can; None for a table without one.
+
+    What is wrong with the table or its parameters is said later.
+    """
+    try:
+        table = read_table(file)
+        if not isinstance(parameters or {}, dict):
+            return None
+        given = {name: number(x, name) for name, x in (parameters or {}).items()}
+        shot = table.replace(**given).plunger
+    except GrazingError:
+        return None
+    return None if shot is None else [shot.x, shot.y, shot.fast * cos(shot.angle), shot.fast * sin(shot.angle)]
 
 
 def beside_table(config: dict[str, Any]) -> Problem | None:

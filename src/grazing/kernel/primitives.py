@@ -147,8 +147,27 @@ def signatures() -> dict[str, Any]:
 
 def register() -> None:
     """Write down the compiled form of each primitive; numba is imported for it."""
+    import operator
+
     from llvmlite import ir
     from numba import types
+    from numba.extending import overload
+
+    def by_name(p: Any, name: Any) -> Any:
+        """Return a parameter by its name, p["A.V"]."""
+        if not (isinstance(p, types.BaseNamedTuple) and isinstance(name, types.StringLiteral)):
+            return None
+        field = name.literal_value.replace(".", "_")
+        if field not in p.fields:
+            return None
+        index = p.fields.index(field)
+
+        def at_index(p: Any, name: Any) -> Any:
+            return p[index]
+
+        return at_index
+
+    overload(operator.getitem, prefer_literal=True)(by_name)
 
     @compiled_form(replaced)
     def with_item(_context: Any, items: Any, index: Any, value: Any) -> Any:

@@ -155,12 +155,13 @@ def _check_company(P: Map, row: NDArray[np.float64], states: NDArray[np.float64]
     """Bits must not depend on threads, on the size of a block or on what else is in it."""
     n = states.shape[1]
     alone = P.run_columns(row, states[None].copy(), 1, steps, threads=1)
-    many = np.stack([np.tile(states, (1, -(-700 // n))), np.tile(states[:, ::-1], (1, -(-700 // n)))])
+    copies = max(2, -(-700 // n))
+    many = np.stack([np.tile(states, (1, copies)), np.tile(states[:, ::-1], (1, copies))])
     for threads in (1, 2):
         crowd = P.run_columns(np.repeat(row, 2, axis=0), many.copy(), 1, steps, threads=threads)
         said = f"{P.name}: with {threads} thread(s) and other orbits beside it an orbit has other bits"
         for q, order in enumerate((slice(None), slice(None, None, -1))):
-            for first in (0, n * (700 // n - 1)):
+            for first in (0, n * (copies - 1)):
                 part = slice(first, first + n)
                 assert _equal(crowd.points[q, :, :, part], alone.points[0][:, :, order]), said
                 assert _equal(crowd.letters[q, :, part], alone.letters[0][:, order]), said

@@ -7,12 +7,13 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from grazing.billiard.carried import AHEAD, DVX, DVY, DX, DY, OF_GATES, next_carried
 from grazing.billiard.contact import next_impact
-from grazing.billiard.hit import period_of, place_at, slope_of, spot_at, way_at
+from grazing.billiard.hit import away_of, period_of, place_at, slope_of, spot_at, way_at
 from grazing.billiard.packed import impact_of, padded_contacts
-from grazing.billiard.rows import CIRCLES, GRAVITY, LENGTH, THINGS
+from grazing.billiard.rows import CIRCLES, GRAVITY, LENGTH
 from grazing.billiard.workspace import LANES, W, room_for
-from grazing.kernel.primitives import inlined, numbers, numbers_at, replaced
+from grazing.kernel.primitives import behind, inlined, numbers, numbers_at, replaced
 from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE, STUCK
 
 NAN = float("nan")
@@ -34,7 +35,7 @@ def velocity(nx: float, ny: float, angle: float, speed: float) -> Any:
 
 def gone(way: int, table: Any) -> Any:
     """Return where a ball lies that has left, one place for each way out, and that way."""
-    way = way if way >= 0 else int(table[THINGS])
+    way = way if way >= 0 else away_of(table)
     return (table[LENGTH] + way + 0.5, 0.0, 0.0), way
 
 
@@ -55,9 +56,11 @@ def collide(state: Any, clock: float, table: Any, with_tangent: bool) -> Any:
     found = next_impact(x, y, vx, vy, 1.0 * surface, clock, table)
     new, t, letter, flags = arrived(found, clock, table)
     J = NOTHING if flags & ESCAPED else LOST
-    if with_tangent and not flags & (FATAL | ESCAPED | GRAZE | AMBIGUOUS | STUCK):
+    if with_tangent and not flags & (FATAL | ESCAPED | GRAZE | AMBIGUOUS):
         _where, before, _after, speeds = found
-        if speeds[0] < 0.0 and new[2] > 0.0:
+        if speeds[0] < 0.0 and new[2] > 0.0 and flags & STUCK:
+            J = carried_slopes(state, clock, (surface, x, y, frame), table)
+        elif speeds[0] < 0.0 and new[2] > 0.0:
             J = slopes(angle, speed, frame, t, before, speeds, slope_of(letter, speeds[0], table), table[GRAVITY])
     return new, t, letter, flags, J
 
@@ -77,38 +80,90 @@ def arrived(found: Any, clock: float, table: Any) -> Any:
     return new, t, owner, flags
 
 
-def slopes(angle: float, speed: float, frame: Any, t: float, before: Any, speeds: Any, bend: float, g: float) -> Any:
-    """Return the Jacobian of a step, row by row: docs/table.md says how it is derived."""
+@inlined
+def departing(j: int, angle: float, speed: float, frame: Any) -> Any:
+    """Return how place and velocity of a ball that leaves a surface depend on place, angle, speed or the clock."""
     nx, ny, curvature, omega, sx, sy = frame
+    wx, wy = velocity(nx, ny, angle, 1.0)
+    turned = speed * (curvature if j == 0 else (1.0 if j == 1 else (omega if j == 3 else 0.0)))
+    dwx, dwy = -wy * turned, wx * turned
+    dx, dy = 0.0, 0.0
+    if j == 0:
+        dx, dy = -ny, nx
+    elif j == 2:
+        dwx, dwy = wx, wy
+    elif j == 3:
+        dx, dy = sx, sy
+    return dx, dy, dwx, dwy
+
+
+@inlined
+def arriving(dx: float, dy: float, dwx: float, dwy: float, later: float, before: Any, force: Any, speeds: Any,
+             bend: float) -> Any:  # fmt: skip
+    """Return (place, angle, speed, later) of an impact, from what just before it is different at the same time.
+
+    ``later``: what is hit is ahead by so much; ``force``: the ball's acceleration.
+    """
     _px, _py, vx, vy = before
     v_minus, v_plus, along, mx, my, there, spin, ux, uy = speeds
     push, drag = ux * mx + uy * my, uy * mx - ux * my  # the surface's velocity along its normal, and along itself
     out, coming = v_plus + push, v_minus + push
     size2 = out * out + along * along
-    wx, wy = velocity(nx, ny, angle, 1.0)
+    dx, dy = dx - ux * later, dy - uy * later
+    late = -(mx * dx + my * dy) / v_minus
+    dwx, dwy = dwx + force[0] * late, dwy + force[1] * late
+    shift = -my * (dx + (vx - ux) * late) + mx * (dy + (vy - uy) * late)
+    tilt = there * shift + spin * (later + late)
+    pushed = (there * drag - spin) * shift
+    away = bend * (mx * dwx + my * dwy + tilt * along - pushed) + pushed
+    beside = -my * dwx + mx * dwy - tilt * coming
+    turn, gain = (out * beside - along * away) / size2, (out * away + along * beside) / sqrt(size2)
+    return shift, turn, gain, late
+
+
+def slopes(angle: float, speed: float, frame: Any, t: float, before: Any, speeds: Any, bend: float, g: float) -> Any:
+    """Return the Jacobian of a step of one flight, row by row: docs/table.md says how it is derived."""
     J = NOTHING
     for j in range(4):
-        turned = speed * (curvature if j == 0 else (1.0 if j == 1 else (omega if j == 3 else 0.0)))
-        dwx, dwy = -wy * turned, wx * turned
-        dx, dy, later = 0.0, 0.0, 0.0
-        if j == 0:
-            dx, dy = -ny, nx
-        elif j == 2:
-            dwx, dwy = wx, wy
-        elif j == 3:
-            dx, dy, later = sx, sy, 1.0
-        dx, dy = dx + t * dwx - ux * later, dy + t * dwy - uy * later
-        late = -(mx * dx + my * dy) / v_minus
-        dwy -= g * late
-        shift = -my * (dx + (vx - ux) * late) + mx * (dy + (vy - uy) * late)
-        tilt = there * shift + spin * (later + late)
-        pushed = (there * drag - spin) * shift
-        away = bend * (mx * dwx + my * dwy + tilt * along - pushed) + pushed
-        beside = -my * dwx + mx * dwy - tilt * coming
+        dx, dy, dwx, dwy = departing(j, angle, speed, frame)
+        later = 1.0 if j == 3 else 0.0
+        dx, dy = dx + t * dwx, dy + t * dwy
+        shift, turn, gain, late = arriving(dx, dy, dwx, dwy, later, before, (0.0, -g), speeds, bend)
         J = replaced(J, j, shift)
-        J = replaced(J, 4 + j, (out * beside - along * away) / size2)
-        J = replaced(J, 8 + j, (out * away + along * beside) / sqrt(size2))
+        J = replaced(J, 4 + j, turn)
+        J = replaced(J, 8 + j, gain)
         J = replaced(J, 12 + j, later + late)
+    return J
+
+
+def carried_slopes(state: Any, clock: float, spot: Any, table: Any) -> Any:
+    """Return the Jacobian of a step with a slide, as :func:`slopes` does that of one flight."""
+    work = np.empty(4 * OF_GATES)
+    J = slopes_with_room(state, clock, spot, table, numbers(work))
+    work[0] = 0.0  # an array lives up to its last use, its numbers do not keep it
+    return J
+
+
+def slopes_with_room(state: Any, clock: float, spot: Any, table: Any, d: Any) -> Any:
+    """Return what :func:`carried_slopes` does, with room for it."""
+    (_place, angle, speed), (surface, x, y, frame), J = state, spot, NOTHING
+    for j in range(4):
+        one = behind(d, OF_GATES * j)
+        one[DX], one[DY], one[DVX], one[DVY] = departing(j, angle, speed, frame)
+        one[AHEAD] = 1.0 if j == 3 else 0.0
+    vx, vy = velocity(frame[0], frame[1], angle, speed)
+    found, before, _after, speeds, force = next_carried(
+        x, y, vx, vy, 1.0 * surface, clock, table, d, 4, OF_GATES
+    )  # fmt: skip
+    bend = slope_of(found[1], speeds[0], table)
+    for j in range(4):
+        one = behind(d, OF_GATES * j)
+        later = one[AHEAD]
+        shift, turn, gain, late = arriving(
+            one[DX], one[DY], one[DVX], one[DVY], later, before, force, speeds, bend
+        )  # fmt: skip
+        J = replaced(replaced(J, j, shift), 4 + j, turn)
+        J = replaced(replaced(J, 8 + j, gain), 12 + j, later + late)
     return J
 
 
@@ -201,6 +256,7 @@ def all_collided(row: Any, lanes: Any, letters: Any, outcomes: Any) -> None:
             new, t, letters[j], outcomes[j] = arrived(impact_of(w, i, table), clock, table)
             later = 0.0 if outcomes[j] & ESCAPED or not timely else (clock + t) % period_of(table)
             put_at(lanes, j, new, later, timely)
+    room[0] = 0.0  # an array lives up to its last use, its numbers do not keep it
 
 
 @inlined

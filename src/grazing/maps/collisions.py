@@ -10,12 +10,23 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, followed
+from grazing.billiard.flown import (
+    BEFORE,
+    FLAGS,
+    NEXT,
+    PATH,
+    SURFACE,
+    TIME,
+    block_played,
+    followed,
+    played_flights,
+)
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, place_at, spot_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
-from grazing.billiard.players import PERIOD
+from grazing.billiard.players import PERIOD, Presses, angle_at, pieces_of
 from grazing.billiard.rows import FROM, LONG, OWNER, surfaces_of
+from grazing.billiard.strategy import Strategy
 from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import abreast_loop
@@ -38,6 +49,7 @@ from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
+from grazing.maps.played import played_by
 from grazing.maps.settle import Settled
 from grazing.outcome import ESCAPED, FATAL, OK, InputError, shown
 from grazing.parameter import Parameter
@@ -73,7 +85,7 @@ def placer() -> Callable[..., float]:
 
 def plain_block(table: Table, values: Any) -> Floats:
     """Return the block of a table, at values of its parameters, whose laws are called in plain Python."""
-    blocks = table.blocks(np.array([list(values)]), "python")
+    blocks = table.blocks(np.array([list(values)]), "python", asks=True)
     return np.asarray(blocks[0])
 
 
@@ -84,7 +96,7 @@ def blocks_of(table: Table, rows: Floats, arithmetic: str) -> tuple[Floats, Floa
     """
     known: dict[bytes, int] = {}
     which = [known.setdefault(row.tobytes(), len(known)) for row in np.ascontiguousarray(rows)]
-    blocks = table.blocks(np.array([np.frombuffer(row) for row in known]), arithmetic)
+    blocks = table.blocks(np.array([np.frombuffer(row) for row in known]), arithmetic, asks=True)
     return blocks.ctypes.data + blocks.strides[0] * np.array(which, float)[:, None], blocks
 
 
@@ -110,13 +122,17 @@ class OfTable(Origin):
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step, compiled once for all tables."""
         addresses, blocks = blocks_of(self.table, rows, arithmetic)
+        if self.table.player.drains:
+            played = played_by(len(self.table.player.drains))
+            return Derived(played.tangent, None, Place, addresses, blocks, played.step)
         tangent, step = (timed_derived, timed_collision) if self.table.period else (derived, collision)
         loop = compiled(abreast_loop(all_collided, 4 if self.table.period else 3), arithmetic)
         return Derived(tangent, None, Place, addresses, blocks, step, loop)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
-        return (PHASE if name == PHASE.name else COORDINATES.get(name)) or self.table.describe(name)
+        known = {PHASE.name: PHASE, **COORDINATES, **watched(self.table)}
+        return known.get(name) or self.table.describe(name)
 
     def boxes(self, rows: Floats) -> Floats:
         """Return where starts are drawn: on one object, in all directions away from it."""
@@ -125,6 +141,8 @@ class OfTable(Origin):
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""
+        if isinstance(self.table.player, Strategy):
+            return settled(self.table.at(dict(zip(self.table.params, row, strict=True))), state)
         block, start = self.table.blocks(np.array([row]))[0], np.empty(4)
         clock, flags, going = state[3] if self.table.period else 0.0, OK, True
         left = float(call(placer(), block, np.array(state), clock, start))
@@ -154,6 +172,34 @@ class OfTable(Origin):
         return Settled(new, owner, flags, INFINITY, INFINITY)
 
 
+def settled(table: Table, state: tuple[float, ...]) -> Settled | None:
+    """Decide a step of a table that a strategy plays in exact arithmetic."""
+    player, start = table.player, np.empty(4)
+    assert isinstance(player, Strategy)
+    shapes = {one.name: one.shape for one in table.objects}
+    pressed = player.pressed_before(state[3:], shapes)
+    left = float(call(placer(), block_played(table, pressed), np.array(state), 0.0, start))
+    if left < 0.0:
+        return None
+    flights, pressed = played_flights(table, tuple(start.tolist()), 0.0, INFINITY, TRIED, left, pressed, once=True)
+    flags, last = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int))), flights[-1]
+    owner, surface, block = int(last[FLOWN_OWNER]), int(last[SURFACE]), block_played(table, pressed)
+    if flags & ESCAPED and not flags & FATAL:
+        away, way = gone(owner, block)
+        return Settled((away[0], *(0.0,) * (len(state) - 1)), way, flags, INFINITY, INFINITY)
+    if flags & FATAL or np.isnan(last[BEFORE]):
+        return None
+    t, (x, y, vx, vy) = float(flights[:, TIME].sum()), last[NEXT:PATH].tolist()
+    _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, 0.0, t, block)
+    away, along = vx * nx + vy * ny, vy * nx - vx * ny
+    new = [float(place_at(surface, x, y, 0.0, t, block)), atan2(along, away), hypot(along, away)]
+    for name in player.gates:
+        times = pressed.get(name, [])
+        turned = abs(angle_at(t, 0.0, pieces_of(shapes[name], times)) - shapes[name]["rest"])
+        new += [turned, max(times[-1] - t, 0.0) if times else 0.0]
+    return Settled(tuple(new), owner, flags, INFINITY, INFINITY)
+
+
 def places_on(table: Table, name: str, params: Mapping[str, float]) -> tuple[float, float]:
     """Return from where to where the places on an object go: all around it, or the left or inner side of a line."""
     surfaces = surfaces_of(table.objects, params["rho"], params)
@@ -172,7 +218,20 @@ def box_of(table: Table, on: str, params: Mapping[str, float]) -> tuple[tuple[fl
     """Return where starts are drawn: on an object, away from it, up to as fast as a fall over the table, or 1."""
     fast = fastest(params)
     found = places_on(table, on, params), (-0.5 * pi, 0.5 * pi), (0.1 * fast, fast)
+    if isinstance(table.player, Strategy):
+        strokes = (abs(params[f"{name}.raised"] - params[f"{name}.rest"]) for name in table.player.gates)
+        return (*found, *(span for stroke in strokes for span in ((0.0, stroke), (0.0, table.player.hold))))
     return (*found, (0.0, params[PERIOD.name])) if table.period else found
+
+
+def watched(table: Table) -> dict[str, Parameter]:
+    """Return the coordinates of flippers that a strategy works."""
+    found = {}
+    for name in table.player.gates if isinstance(table.player, Strategy) else ():
+        of, mark = f" of {name}", rf"^\mathrm{{{name}}}".replace("_", r"\_")
+        found[f"{name}.turned"] = Parameter(f"{name}.turned", rf"\beta{mark}", f"angle from rest{of}", 0.0)
+        found[f"{name}.held"] = Parameter(f"{name}.held", f"h{mark}", f"for how long the button stays pressed{of}", 0.0)
+    return found
 
 
 def fastest(params: Mapping[str, float]) -> float:
@@ -208,7 +267,8 @@ def collision_map(table: Table, on: str | None = None) -> Map:
         ball that has left stays at a place of its own behind all others, one for each drain and one for *away*, with
         outcome *escaped*: so ways out are attractors, and have basins. Other places that are on no object have no next
         state. Where flippers are worked periodically, the phase is a fourth coordinate: the time, less whole periods.
-        Parameters are those of the table.
+        Where a strategy works them, each gate adds two, ``L.turned``, how far its flipper has turned from rest, and
+        ``L.held``, for how long its button stays pressed. Parameters are those of the table.
 
     Raises
     ------
@@ -226,11 +286,10 @@ def collision_map(table: Table, on: str | None = None) -> Map:
     ('B', [6.283185, 0.0, 1.0])
     """
     table = checked_table(table)
-    if table.period == INFINITY:
-        who = "a strategy" if table.player.drains else "a recording"
+    if isinstance(table.player, Presses) and table.player.times:
         raise InputError(
-            f"the flippers of the table are worked by {who}, which does not repeat: gz.trajectory "
-            "and gz.launches follow that; a map needs gz.flips(period, hold), or no player"
+            "the flippers of the table are worked by a recording, which does not repeat: gz.trajectory and gz.launches "
+            "follow that; a map needs gz.flips(period, hold), a strategy, or no player"
         )
     pins = [one.name for one in table.objects if one.kind == DISC and one.shape["radius"] + table.rho == 0.0]
     solids = [one.name for one in table.objects if one.kind != DRAIN and one.name not in pins]
@@ -253,11 +312,16 @@ def collision_map(table: Table, on: str | None = None) -> Map:
             f"a ball of radius {table.rho:g} fits nowhere beside {on}: something else is nearer than its diameter "
             "everywhere; make rho smaller, or give another object as on="
         )
-    step, tangent = (plain_timed, plain_timed_tangent) if table.period else (plain_collision, plain_tangent)
+    step, tangent, more = plain_collision, plain_tangent, list(watched(table))
+    if isinstance(table.player, Strategy):
+        table.player.tried(table.params)
+        _step, _tangent, step, tangent = played_by(len(table.player.gates))
+    elif table.period:
+        step, tangent, more = plain_timed, plain_timed_tangent, [PHASE.name]
     return Map(
         step,
         params=table.params,
-        coordinates=(*COORDINATES, *([PHASE.name] if table.period else [])),
+        coordinates=(*COORDINATES, *more),
         box=box_of(table, on, table.params),
         letters=Names((*table.names, AWAY)),
         prepare=partial(plain_block, table),

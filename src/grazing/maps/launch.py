@@ -9,10 +9,12 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from grazing.billiard.carried import next_carried
 from grazing.billiard.contact import next_impact
-from grazing.billiard.hit import way_at
+from grazing.billiard.gates import own_copy
+from grazing.billiard.hit import away_of, way_at
 from grazing.billiard.packed import impact_of, padded_contacts
-from grazing.billiard.rows import CIRCLES, THINGS
+from grazing.billiard.rows import CIRCLES
 from grazing.billiard.workspace import LANES, W, room_for
 from grazing.kernel.compile import compiled
 from grazing.kernel.elementary import sincos
@@ -46,7 +48,7 @@ def launch(x: float, y: float, vx: float, vy: float, most: int, table: Any) -> A
         if flags & FATAL:
             return -1, hits, t, outcome
         if flags & ESCAPED:
-            return owner if owner >= 0 else int(table[THINGS]), hits, t, outcome
+            return owner if owner >= 0 else away_of(table), hits, t, outcome
         left, (x, y, vx, vy) = on, after
     return -1, most, t, outcome | TOO_MANY_IMPACTS
 
@@ -91,6 +93,59 @@ def plain_launched(state: Any, c: Any) -> Any:
 def plain_tangent(state: Any, c: Any) -> Any:
     """Return a launch with its Jacobian as plain Python takes it."""
     new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
+    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
+
+
+def watched(x: float, y: float, vx: float, vy: float, most: int, table: Any, room: Any) -> Any:
+    """Return what :func:`launch` does, of a ball that a strategy looks at; ``table`` is the ball's own."""
+    left, t, outcome = -1.0, 0.0, OK
+    for hits in range(most + 1):
+        (_surface, owner, length, flags, on), _before, after, _speeds, _force = next_carried(
+            x, y, vx, vy, left, t, table, room, 0, 0
+        )
+        outcome |= flags
+        t += length
+        if flags & FATAL:
+            return -1, hits, t, outcome
+        if flags & ESCAPED:
+            return owner if owner >= 0 else away_of(table), hits, t, outcome
+        left, (x, y, vx, vy) = on, after
+    return -1, most, t, outcome | TOO_MANY_IMPACTS
+
+
+def watched_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
+    """Return what :func:`way_out` does, of a ball that a strategy looks at."""
+    angle, speed = state
+    way = stays(angle, speed, table)
+    if way >= 0:
+        return (1.0 * way, 0.0), way, ESCAPED
+    own, room, (s, c) = own_copy(table), np.empty(1), heading(angle)
+    way, _hits, _t, outcome = watched(x, y, speed * c, speed * s, most, numbers(own), numbers(room))
+    own[0] = room[0] = 0.0  # an array lives up to its last use, its numbers do not keep it
+    if outcome & FATAL:
+        return (NAN, NAN), 0, outcome
+    return (1.0 * way, 0.0), way, outcome
+
+
+def watched_launched(state: Any, c: Launch) -> Any:
+    """Return (state, letter, outcome) of a launch that a strategy looks at."""
+    return watched_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+
+
+def watched_derived(state: Any, c: Launch) -> Any:
+    """Return such a launch with its Jacobian, which is 0."""
+    new, letter, outcome = watched_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
+
+
+def plain_watched(state: Any, c: Any) -> Any:
+    """Return such a launch as plain Python takes it."""
+    return watched_out(state, c.x, c.y, int(c.hits), c.block)
+
+
+def plain_watched_tangent(state: Any, c: Any) -> Any:
+    """Return such a launch with its Jacobian as plain Python takes it."""
+    new, letter, outcome = watched_out(state, c.x, c.y, int(c.hits), c.block)
     return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
 
 
@@ -144,7 +199,7 @@ def ended(w: Any, i: int, most: int, table: Any, found: Found) -> bool:
         return False
     way = -1
     if flags & ESCAPED and not flags & FATAL:
-        way = owner if owner >= 0 else int(table[THINGS])
+        way = owner if owner >= 0 else away_of(table)
     if not flags & (FATAL | ESCAPED):
         outcome |= TOO_MANY_IMPACTS
     found.ways[at], found.hits[at], found.times[at], found.outcomes[at] = way, hits, t, outcome

@@ -15,6 +15,7 @@ from grazing.billiard.flown import BEFORE, FLAGS, OWNER, TIME, flights_of
 from grazing.billiard.objects import two_of
 from grazing.billiard.plunger import PLACE
 from grazing.billiard.rows import CIRCLES
+from grazing.billiard.strategy import Strategy
 from grazing.billiard.table import AWAY, Table
 from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
@@ -32,6 +33,10 @@ from grazing.maps.launch import (
     launcher,
     plain_launched,
     plain_tangent,
+    plain_watched,
+    plain_watched_tangent,
+    watched_derived,
+    watched_launched,
 )  # fmt: skip
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
@@ -114,6 +119,8 @@ class OfLaunches(Origin):
         n = len(self.table.params)
         addresses, blocks = blocks_of(self.table, rows[:, :n], arithmetic)
         numbers = np.hstack([addresses, rows[:, self.where]])
+        if self.table.player.drains:
+            return Derived(watched_derived, None, Launch, numbers, blocks, watched_launched)
         return Derived(
             launched_derived,
             None,
@@ -176,23 +183,26 @@ def launch_map(table: Table, point: Sequence[float] | None = None, hits: int = H
     """
     table = checked_table(table)
     values = dict(zip(OWN, checked_launch(table, point, hits), strict=True))
-    if table.player.drains:
-        raise InputError("a strategy looks at the ball, which compiled maps cannot: gz.launches follows it")
+    if isinstance(table.player, Strategy):
+        table.player.tried(table.params)
     if any(name in table.params for name in OWN):
         raise InputError("an object is called 'launch', as the parameters of a launch are; give it another name")
     if point is None:  # its place is a parameter of the table
         values = {HITS_OF: values[HITS_OF]}
     fast, aim, shot = fastest(table.params), 0.5 * pi, table.plunger
     origin = OfLaunches(table, tuple(values))
+    plain, tangent = plain_launched, plain_tangent
+    if table.player.drains:
+        plain, tangent = plain_watched, plain_watched_tangent
     return Map(
-        plain_launched,
+        plain,
         params={**table.params, **values},
         coordinates=tuple(COORDINATES),
         box=((shot.angle - aim, shot.angle + aim), (shot.slow, shot.fast)) if point is None and shot
         else ((0.0, pi), (0.1 * fast, fast)),
         letters=Names((*table.names, AWAY)),
         prepare=partial(_plain, table, origin.where),
-        tangent=plain_tangent,
+        tangent=tangent,
         name="launch map",
         origin=origin,
     )  # fmt: skip

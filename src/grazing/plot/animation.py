@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from io import BytesIO
+from itertools import pairwise
 from math import ceil
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -22,12 +23,23 @@ from grazing.plot.table import table as draw_table
 from grazing.writing import whole_file
 
 SPEED = Parameter("speed", "c", "time on the table in a second of the film", 0.0, open="low")
-#: Frames a second at most: what a GIF can say.
-FASTEST = 50
+#: Frames a second at most: what a GIF can say. It counts in hundredths of a second.
+FASTEST, TICKS = 50, 100
 #: Frames of a film at most: they are held in memory, and a browser shows no longer one.
 MOST = 3000
 #: Seconds of the film for which the way of the ball stays in sight, and dots per inch.
 TAIL, DPI = 0.8, 100
+
+
+class Film(PillowWriter):
+    """Frames that together last as long as they should: each ends at the tick next to its end."""
+
+    def finish(self) -> None:
+        """Write the file."""
+        ends = [round(i * TICKS / self.fps) for i in range(len(self._frames) + 1)]  # type: ignore[attr-defined]
+        lasts = [(end - begin) * (1000 // TICKS) for begin, end in pairwise(ends)]
+        first, *rest = self._frames  # type: ignore[attr-defined]
+        first.save(self.outfile, save_all=True, append_images=rest, duration=lasts, loop=0)
 
 
 def animate(table: Any, flown: Any, path: str | Path, *, fps: int = 25, speed: float = 1.0) -> Path:
@@ -78,7 +90,7 @@ def animate(table: Any, flown: Any, path: str | Path, *, fps: int = 25, speed: f
         )
     data = [np.asarray(flown[name].values, np.float64) for name in ("x", "y", "vx", "vy")]
     drawn = draw_table(table, names=False)
-    figure, writer = drawn["figure"], PillowWriter(fps=fps)
+    figure, writer = drawn["figure"], Film(fps=fps)
     (ax,) = figure.axes
     extent = max(np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim()))
     way_x, way_y, moments = way_of(flown, table.gravity, FLAT * extent)

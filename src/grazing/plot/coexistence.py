@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
-from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
+from matplotlib.ticker import FuncFormatter, Locator, LogLocator, NullLocator, SymmetricalLogLocator
 from numpy.typing import NDArray
 
 from grazing.plot.classes import attractor_colours, class_name, legend_beside, order_of, patch, rows_beside, written
@@ -35,6 +35,8 @@ def coexistence(
     result: Any, ax: Axes | None = None, *, of: str = "share", changes: bool = True, legend: bool | None = None
 ) -> dict[str, Any]:
     """Draw the shares of attractors as stacked areas, or the mean lifetimes of transients as lines.
+
+    Lifetimes have a logarithmic axis, and one that is linear below one step where some are zero.
 
     Parameters
     ----------
@@ -88,9 +90,6 @@ def coexistence(
         else:
             drawn = {"lines": _lifetimes(ax, values, shown, stack, colours)}
             ax.set_ylabel("mean steps before settling")
-            ax.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
-            ax.yaxis.set_major_formatter(FuncFormatter(plain))
-            ax.yaxis.set_minor_locator(NullLocator())
         name_single(ax.xaxis, values)
         ax.set_xlabel(symbol(result[name]))
         marks = _changes(ax, result) if changes else {}
@@ -166,10 +165,19 @@ def _roomiest(edges: Floats, low: Floats, top: Floats, width: float, height: flo
 
 
 def _lifetimes(ax: Axes, values: Floats, lifetime: Floats, stack: list[int], colours: dict[int, str]) -> dict[int, Any]:
-    ax.set_yscale("log")
+    marks: Locator
+    if (lifetime[:, stack] == 0.0).any():  # of starts on their cycle; a logarithm has no zero
+        ax.set_yscale("symlog", linthresh=1.0)
+        marks = SymmetricalLogLocator(base=10.0, linthresh=1.0, subs=(1.0, 2.0, 5.0))
+    else:
+        ax.set_yscale("log")
+        marks = LogLocator(subs=(1.0, 2.0, 5.0))
+    ax.yaxis.set_major_locator(marks)
+    ax.yaxis.set_major_formatter(FuncFormatter(plain))
+    ax.yaxis.set_minor_locator(NullLocator())
     drawn = {}
     for k in stack:
-        y = np.where(lifetime[:, k] > 0.0, lifetime[:, k], np.nan)
+        y = lifetime[:, k]
         # a value between two gaps has no line: it needs a mark
         size = float(np.clip(400.0 / values.size, 0.9, 2.4))
         (drawn[k],) = ax.plot(values, y, color=colours[k], lw=0.8, marker="o", ms=size, mew=0, zorder=3)
@@ -181,8 +189,10 @@ def _changes(ax: Axes, result: Any) -> dict[str, Any]:
     if any(name not in result for name in ("before", "after", "kind")):
         return {}
     before, after = (np.asarray(result[name].values, np.float64) for name in ("before", "after"))
-    kinds = np.array([str(kind) for kind in result["kind"].values])
     at = 0.5 * (before + after)
+    low, high = sorted(ax.get_xlim())
+    inside = (at >= low) & (at <= high)  # of a part of a result, its own
+    at, kinds = at[inside], np.array([str(kind) for kind in result["kind"].values])[inside]
     drawn = {}
     rest = sorted(set(kinds.tolist()) - set(KINDS))
     for kind in [*(kind for kind in KINDS if kind in kinds), *rest]:

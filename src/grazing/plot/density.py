@@ -11,6 +11,7 @@ from matplotlib.colors import Colormap, ListedColormap, Normalize
 from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 from numpy.typing import NDArray
 
+from grazing.plot.basins import percent
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.norms import norm_of, round_ticks
@@ -148,7 +149,7 @@ def plain(value: float, _place: Any = None) -> str:
     >>> plain(0.05), plain(0.0005), plain(0.001), plain(20.0), plain(1e6)
     ('0.05', '$5\\times 10^{-4}$', '$10^{-3}$', '20', '$10^{6}$')
     """
-    if 0.01 <= value < 10_000.0:
+    if value == 0.0 or 0.01 <= value < 10_000.0:
         return f"{value:g}"
     digit, decade = f"{value:e}".split("e")
     power = f"10^{{{int(decade)}}}"
@@ -159,8 +160,7 @@ def _note(ax: Axes, outside: float, total: float, result: Any) -> Any:
     """Say above the axes what the raster does not show."""
     said = []
     if outside > 0.0:
-        share = f"{100.0 * outside / total:.2g}"
-        said.append(f"{share if float(share) >= 0.01 else 'less than 0.01'} % of the points lie outside")
+        said.append(f"{percent(outside / total).replace('<', 'less than')} of the points lie outside")
     ended = int(np.sum(result["ended"].values)) if "ended" in result else 0
     if ended:
         said.append(f"{ended:,} {'start' if ended == 1 else 'starts'} ended")

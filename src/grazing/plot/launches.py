@@ -6,12 +6,15 @@ from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba_array
+from matplotlib.colors import FuncNorm, LogNorm, to_rgba_array
+from matplotlib.ticker import FixedLocator, FuncFormatter, NullLocator
 
 from grazing.catalogue.words import share
 from grazing.plot.classes import attractor_colours, legend_beside, patch
+from grazing.plot.density import plain
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
+from grazing.plot.norms import round_ticks
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import edges_of, ordered, raster
 from grazing.plot.style import axes, root, styled, symbol
@@ -87,9 +90,7 @@ def launches(
                 palette = np.round(255.0 * to_rgba_array(list(colours.values()))).astype(np.uint8)
                 image = raster(ax, *edges, palette[index])
             else:
-                image = raster(ax, *edges, np.log10(np.maximum(hits, 1) if by == "hits" else times))
-                said = "impacts" if by == "hits" else "time"
-                bar = root(ax).colorbar(image, ax=ax, label=rf"$\log_{{10}}$ {said}")
+                image, bar = _logarithmic(ax, edges, np.where(ways != "", hits, np.nan) if by == "hits" else times, by)
             ax.set_xlim(edges[0][0], edges[0][-1])
             ax.set_ylim(edges[1][0], edges[1][-1])
             ax.set_xlabel(symbol(result["angle"]))
@@ -98,8 +99,26 @@ def launches(
             shares = [share(float((ways == way).mean()), ways.size) for way in names]
             texts = [f"{way or 'still there'}: {part}" for way, part in zip(names, shares, strict=True)]
             entries = [patch(colours[way], text) for way, text in zip(names, texts, strict=True)]
-            beside = legend_beside(ax, entries[:LISTED])
+            if len(names) > LISTED:
+                rest = share(float(np.isin(ways, names[LISTED - 1 :]).mean()), ways.size)
+                entries[LISTED - 1 :] = [patch("none", f"{len(names) - LISTED + 1} more: {rest}", edgecolor="none")]
+            beside = legend_beside(ax, entries)
     return {
         "figure": root(ax), "image": image, "points": points, "colours": colours, "legend": beside, "bar": bar,
         "provenance": provenance_of(result),
     }  # fmt: skip
+
+
+def _logarithmic(ax: Axes, edges: tuple[Any, Any], numbers: Any, by: str) -> tuple[Any, Any]:
+    """Show numbers on a logarithmic scale with its bar; that of impacts is of one more, as there may be none."""
+    known = numbers[np.isfinite(numbers)]
+    low, high = (float(known.min()), float(known.max())) if known.size else (1.0, 10.0)
+    high = high if high > low else 10.0 * low or 1.0
+    norm = FuncNorm((np.log1p, np.expm1), low, high) if by == "hits" else LogNorm(low, high)
+    image = raster(ax, *edges, np.ma.masked_invalid(numbers), norm=norm)
+    bar = root(ax).colorbar(image, ax=ax, label="impacts" if by == "hits" else "time")
+    ticks = [tick for tick in round_ticks(norm) if by == "time" or tick >= 1.0]
+    bar.ax.yaxis.set_major_locator(FixedLocator([0.0, *ticks] if low == 0.0 else ticks))
+    bar.ax.yaxis.set_major_formatter(FuncFormatter(plain))
+    bar.ax.yaxis.set_minor_locator(NullLocator())
+    return image, bar

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import Any
 
 import numpy as np
@@ -13,6 +14,7 @@ from numpy.typing import NDArray
 from grazing.outcome import InputError, shown
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
+from grazing.plot.spread import laid_out
 from grazing.plot.style import GRAZE, INK, SINGLE, WALL, axes, plain, root, styled
 
 Floats = NDArray[np.float64]
@@ -21,6 +23,8 @@ TALL, ROOM = 1.6, 0.04
 WAY = "#0064a4"
 #: Points of the arrow of a plunger.
 LANE = 14.0
+#: Widths of its name that a line is long at least, for the name to stand on it, and heights between names.
+LONG, APART = 1.8, 1.3
 #: How far a chord may be from the flight that it stands for, as a share of the extent, and chords between two points of
 #: a trajectory at most.
 FLAT, CHORDS = 5e-4, 1000
@@ -41,7 +45,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
     ax : matplotlib Axes, optional
         Default: a new figure one column wide. Its aspect becomes equal.
     names : bool
-        Whether the objects' names stand beside them.
+        Whether the objects' names stand on them or beside them, as far as there is room.
 
     Returns
     -------
@@ -90,10 +94,6 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
                 solid = {"color": colour, "alpha": 0.35} if line.kicks else {"color": WALL}
                 (bodies[line.name],) = ax.fill(*line.points.T, **solid, lw=0)
             found[line.name] = drawn
-            if names:
-                behind = None if line.closed else {"fc": "white", "ec": "none", "pad": 0.6}
-                x0, y0 = line.label
-                ax.text(x0, y0, plain(line.name), ha="center", va="center", size=6, color=colour, bbox=behind, zorder=5)
         if shot is not None:  # it pushes the ball from behind
             tail = -LANE * np.cos(shot.angle), -LANE * np.sin(shot.angle)
             kind = {"arrowstyle": "->", "color": GRAZE, "lw": 0.8, "shrinkA": 0, "shrinkB": 0}
@@ -113,7 +113,76 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
         ax.set_ylim(y.min() - edge, y.max() + edge)
         ax.set_xlabel("$x$")
         ax.set_ylabel("$y$")
+        if names:
+            name_objects(ax, lines)
     return {"figure": root(ax), "objects": found, "bodies": bodies, "way": way, "ball": ball, "plunger": arrow}
+
+
+def name_objects(ax: Axes, lines: list[Any]) -> None:
+    """Write the names on the objects, along those that are straight, or beside them; one without room is not seen.
+
+    Those that kick come first. A name is as good as a row of spots, as far apart as it is high.
+    """
+    renderer = laid_out(ax)
+    ax.apply_aspect()
+    drawn = {line.name: _spots(ax.transData.transform(line.points)) for line in lines}
+    taken = np.empty((0, 2))
+    for line in sorted(lines, key=lambda line: (not line.kicks, not line.closed)):
+        look: dict[str, Any] = {"ha": "center", "va": "center", "size": 6, "color": GRAZE if line.kicks else INK}
+        behind = {"fc": "white", "ec": "none", "pad": 0.3}
+        text = ax.text(0.0, 0.0, plain(line.name), zorder=3.5, rotation_mode="anchor", bbox=behind, **look)
+        box = text.get_window_extent(renderer)
+        others = np.concatenate([np.empty((0, 2)), *(spots for name, spots in drawn.items() if name != line.name)])
+        for at, angle, inside in _places(ax.transData.transform(line.points), line, ax, box):
+            along = np.array([np.cos(angle), np.sin(angle)])
+            half = max(0.5 * (box.width - box.height), 0.0)
+            spots = at + np.linspace(-half, half, 2 + int(2.0 * half / box.height))[:, None] * along
+            if all(ax.bbox.padded(-0.5 * box.height).contains(*spot) for spot in spots) and not (
+                _near(spots, taken, APART * box.height) or _near(spots, others, 0.6 * box.height)
+            ):
+                text.set(position=ax.transData.inverted().transform(at), rotation=np.degrees(angle))
+                if inside:
+                    text.set_bbox(None)
+                taken = np.concatenate([taken, spots])
+                break
+        else:
+            text.set_visible(False)
+
+
+def _places(points: Floats, line: Any, ax: Axes, box: Any) -> Iterator[tuple[Floats, float, bool]]:
+    """Yield where a name may stand, in pixels: its middle, its angle, whether that is inside of the object."""
+    middle = np.asarray(ax.transData.transform(line.label))
+    if line.closed:
+        if np.ptp(points[:, 0]) > box.width and np.ptp(points[:, 1]) > box.height:
+            yield middle, 0.0, True
+        high, wide = (
+            0.5 * np.ptp(points[:, 1]) + box.height,
+            0.5 * (np.ptp(points[:, 0]) + box.width) + 0.4 * box.height,
+        )
+        for x, y in ((0, -high), (0, high), (wide, 0), (-wide, 0)):
+            yield middle + np.array([x, y]), 0.0, False
+        return
+    straight = points[1] - points[0] if len(points) == 2 else np.zeros(2)
+    angle = float(np.arctan2(straight[1], straight[0]) % np.pi)
+    angle -= np.pi * (angle > 0.501 * np.pi)  # never upside down
+    across = 0.9 * box.height * np.array([-np.sin(angle), np.cos(angle)])
+    covered = len(points) == 2 and np.hypot(*straight) < LONG * box.width
+    for far in (1.0, -1.0) if covered else (0.0, 1.0, -1.0):
+        for share in (0.0, 0.25, -0.25):
+            yield middle + far * across + share * straight, angle, False
+
+
+def _spots(points: Floats) -> Floats:
+    """Return points of a line, in pixels, no farther apart than a few of them."""
+    steps = np.hypot(*np.diff(points, axis=0).T)
+    length = np.append(0.0, np.cumsum(steps))
+    at = np.linspace(0.0, length[-1], 2 + int(min(length[-1] / 3.0, 2000.0)))
+    return np.column_stack([np.interp(at, length, column) for column in points.T])
+
+
+def _near(spots: Floats, others: Floats, far: float) -> bool:
+    """Say whether any of some spots is near another."""
+    return bool((np.hypot(*(spots[:, None] - others[None]).transpose(2, 0, 1)) < far).any())
 
 
 def way_of(flown: Any, gravity: float, off: float) -> tuple[Floats, Floats, Floats]:

@@ -124,11 +124,6 @@ def _graze(ax: Axes, result: Any, first: str, x: tuple[Any, Any], y: tuple[Any, 
         span, (u, v) = x, (value, at)
     if not ((value > span[0]) & (value < span[1])).any():
         return None
-    if at.size > 1:  # to the edges of the outermost cells
-        ends = (x, y)[along != first]
-        at = at.copy()
-        at[0], at[-1] = ends
-        u, v = (at, value) if along == first else (value, at)
     (line,) = ax.plot(u, v, color=GRAZE, lw=0.9, ls=(0, (5, 2)), zorder=3)
     ax.set_xlim(x)
     ax.set_ylim(y)

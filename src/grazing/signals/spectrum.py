@@ -68,9 +68,12 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
     if len(t) < 8:
         raise InputError(f"there are {len(t)} samples; a spectrum needs 8 or more: choose a higher rate")
     try:
-        weights = get_window(window, len(t))
-    except (ValueError, TypeError) as error:
+        with np.errstate(all="ignore"):  # a parameter that is too large for it gives nan
+            weights = get_window(window, len(t))
+    except Exception as error:  # of whatever was given
         raise InputError(f"window = {shown(window)}: {error}") from None
+    if not np.isfinite(weights).all() or not weights.any():
+        raise InputError(f"window = {shown(window)} gives weights that are no numbers, or all 0; choose another one")
     frequency, power = periodogram(x, fs=rate, window=weights, detrend="constant", scaling="spectrum")
     found = xr.Dataset(
         {"amplitude": ("frequency", np.sqrt(2.0 * power), _said(recorded[of].attrs, of))},

@@ -12,7 +12,8 @@ The rule, for the last ``keep`` points of an orbit, with tolerance ``rtol * exte
    gives the cycle of N points with these letters; if all its multipliers (the eigenvalues of the product of
    ``P.jacobian``) lie inside the unit circle, by more than 1e-9, and the distance to it falls, the period is N.
 3. Without candidate or cycle the orbit is aperiodic as far as seen; undecided if it seemed to settle where the map
-   has no Jacobian, or if a single point was kept.
+   has no Jacobian, if cycles of 20 keep points in all were tried (more than there are up to keep = 1000), or if a
+   single point was kept.
 """
 
 from __future__ import annotations

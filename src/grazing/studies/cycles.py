@@ -25,6 +25,9 @@ from grazing.studies.recurrence import UNDECIDED, next_cycle
 
 #: Newton steps after which a cycle counts as not found.
 STEPS = 12
+#: A search ends after cycles of so many times the kept points in all, as it may beside a multiplier of 1: with up to a
+#: thousand kept points none is that long.
+BUDGET = 20
 #: A cycle contracts if its multipliers are this far inside the unit circle: they are known to ten digits at best, and
 #: nearer to 1 than that what drifts by equal steps for ever "approaches" a cycle beyond all numbers.
 INSIDE = 1e-9
@@ -279,8 +282,8 @@ def settler(
     callable
         ``run(rows, points, letters, extents, tolerances, which, period)``: for each (column, start, row, N) in
         ``which`` (n, 4) a cycle of N points or more, yet fewer than the period by recurrence, is sought, and the period
-        replaced where the orbit approaches it. The other arguments are those of
-        :func:`grazing.studies.recurrence.recurrence`.
+        replaced where the orbit approaches it, or undecided where the search takes too long. The other arguments are
+        those of :func:`grazing.studies.recurrence.recurrence`.
     """
     unpack, find = unpacker(kind), finder(tangent, dimension)
     constants = prepare if prepare is not None else _same
@@ -299,8 +302,12 @@ def settler(
                 for i in range(dimension):
                     x[n, i, 0] = points[q, n, i, j]
             c = constants(unpack(rows[which[k, 2]]))
-            candidate = max(period[q, j], 0)
+            candidate, tried = max(period[q, j], 0), 0
             while N > 0:
+                tried += N
+                if tried > BUDGET * keep:
+                    period[q, j] = max(period[q, j], UNDECIDED)
+                    break
                 found = find(x, s, 0, N, c, tolerance, z, M, room)
                 if found == NO_TANGENT:
                     period[q, j] = max(period[q, j], UNDECIDED)

@@ -31,8 +31,8 @@ TAKEN = ("count", "below", "above", "ended", "ambiguous", "outside")
 BLOCK = 64
 #: The raster reaches so much farther than the points of a trial, of their extent.
 ROOM = 0.05
-#: A trial looks at so many values, starts and steps.
-TRIAL = 64, 20, 100
+#: A trial looks at so many values, starts and steps, after at most so many: it precedes a dry run, too.
+TRIAL = 64, 20, 100, 1000
 #: Bytes that a bin takes: counts, while they are made and as they are stored, edges and centres.
 BIN = 8 * 6
 
@@ -176,10 +176,11 @@ def checked_range(ends: object) -> tuple[float, float]:
 def trial_range(runs: Runs, i: int) -> tuple[float, float]:
     """Return where a few orbits at some of the values have coordinate i, and a little more."""
     (name, grid), settings = next(iter(runs.axes.items())), runs.settings
-    values, starts, steps = TRIAL
+    values, starts, steps, before = TRIAL
     some = np.unique(np.linspace(0, len(grid) - 1, values).round().astype(np.int64))
     few = min(settings.starts, starts) if isinstance(settings.starts, int) else settings.starts[:starts]
-    trial = Runs(runs.P, {name: grid[some]}, settings._replace(starts=few, keep=min(settings.keep, steps)), runs.moving)
+    short = settings._replace(starts=few, transient=min(settings.transient, before), keep=min(settings.keep, steps))
+    trial = Runs(runs.P, {name: grid[some]}, short, runs.moving)
     low, high = np.inf, -np.inf
     for part in trial.pieces(np.arange(len(some))):
         x = part.points[:, :, i]

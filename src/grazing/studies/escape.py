@@ -3,20 +3,29 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from grazing.copies import ByValue
 from grazing.kernel.random import uniform
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.outcome import ESCAPED, FATAL, InputError, shown
-from grazing.parameter import real, whole
+from grazing.parameter import checked_name, real, whole
+from grazing.pool import Progress
+from grazing.studies import labels
+from grazing.studies.runs import checked_map, checked_values
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 #: Steps for which it is remembered how many orbits of a population stayed.
 KEPT = 10
+#: By how much copies are moved: the angle of a ball, whose density is smooth in it, and coordinates of other maps.
+BALLS, OTHERS = 0.02, 0.002
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +74,7 @@ def escape_rate(
     transient: int = 40,
     steps: int = 40,
     populations: int = 8,
-    stir: float = 0.02,
+    stir: float | None = None,
     seed: int = 0,
     threads: int | None = None,
 ) -> EscapeRate:
@@ -82,8 +91,9 @@ def escape_rate(
         settle.
     populations : int
         How many independent ones there are, >= 2: the error is by how much they differ.
-    stir : float
-        By how much copies are moved, > 0: in radians for the angle of a ball, for other maps in sizes of the box.
+    stir : float, optional
+        By how much copies are moved, > 0: in radians for the angle of a ball, 0.02 unless said; for other maps in sizes
+        of the box, 0.002.
     seed : int
         Equal seeds give equal numbers.
     threads : int, optional
@@ -104,7 +114,8 @@ def escape_rate(
     After each step the orbits that have escaped are replaced by copies of others, drawn at random: without them after n
     impacts only exp(-rate n) of all balls are left. A copy is moved a little, or it would do as its original does; that
     smooths the density in the direction in which it is smooth, and moves the rate by some part of the square of
-    ``stir``: measured for three discs, by 0.001 at 0.1 and by less than 0.0003 at 0.03. Copies take a few steps to
+    ``stir``: measured for three discs, by 0.001 at 0.1 and by less than 0.0003 at 0.03. Where the density jumps within
+    the box, as that of a map with a hole does, it is some part of ``stir`` itself. Copies take a few steps to
     part, so that orbits are not independent; populations are. One in which few orbits stay then has copies of these,
     of which more stay than of all: a mean of logarithms of shares is too large by some part of 1/``orbits``. So each
     population counts as many times as orbits would be left in it without copies, over the last 10 steps, and the
@@ -128,6 +139,7 @@ def escape_rate(
         raise InputError(f"P is {shown(P)}; give a map of which orbits escape, such as gz.collision_map(table)")
     orbits, populations = whole(orbits, "orbits", 100), whole(populations, "populations", 2)
     transient, steps = whole(transient, "transient", 0), whole(steps, "steps", 1)
+    stir = (BALLS if P.origin.stirred else OTHERS) if stir is None else stir
     seed, stir = whole(seed, "seed", 0, 2**53), real(stir, "stir", "give a small number > 0, such as 0.02")
     if not stir > 0.0:
         raise InputError(
@@ -159,10 +171,30 @@ def escape_rate(
             drawn = uniform(seed, (float(i), float(k)), orbits - len(stays), 1 + len(names))
             of = stays[(drawn[:, 0] * len(stays)).astype(np.int64)]
             states = found.points[0, 0][:, np.concatenate([stays, of])]
-            states[moved, len(stays) :] += stir * size[:, None] * np.sqrt(3.0) * (2.0 * drawn[:, 1:].T - 1.0)
+            by = stir * size[:, None] * np.sqrt(3.0) * (2.0 * drawn[:, 1:].T - 1.0)
+            states[moved, len(stays) :] = aside(states[moved, len(stays) :], by, box[moved])
     if left == 0:
         raise InputError(f"none of {orbits} orbits has escaped in {transient + steps} steps: there may be no way out")
     return EscapeRate(rates_of(shares, warm), orbits, steps, lost)
+
+
+def aside(x: Floats, by: Floats, box: Floats) -> Floats:
+    """Return coordinates, shape (dim, n), moved by so much; what is in the box stays in it, reflected at its ends.
+
+    A density need not fall to 0 at the ends: copies that leave the box would escape for having been moved.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grazing.studies.escape import aside
+    >>> aside(np.array([[0.75, 0.5, 1.5]]), np.array([[0.5, 0.25, 0.25]]), np.array([[0.0, 1.0]])).tolist()
+    [[0.75, 0.75, 1.75]]
+    """
+    low, high = box[:, :1], box[:, 1:]
+    to, side = x + by, high - low
+    turn = (to - low) % (2.0 * side)
+    leaves = (low <= x) & (x <= high) & ((to < low) | (to > high))
+    return np.where(leaves, low + np.minimum(turn, 2.0 * side - turn), to)
 
 
 def rates_of(shares: Floats, warm: int) -> Floats:
@@ -187,3 +219,93 @@ def rates_of(shares: Floats, warm: int) -> Floats:
         rate -= np.log(stayed.sum() / weights.sum()) / steps
         without -= np.log((stayed.sum() - stayed) / (weights.sum() - weights)) / steps
     return np.asarray(many * rate - (many - 1) * without)
+
+
+def escape(
+    P: Map,
+    name: str | None = None,
+    values: ArrayLike | None = None,
+    *,
+    orbits: int = 10_000,
+    transient: int = 40,
+    steps: int = 40,
+    populations: int = 8,
+    stir: float = 0.02,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: Progress | None = None,
+) -> xr.Dataset:
+    """Return what :func:`grazing.escape_rate` does, as one parameter varies or at the values of a map.
+
+    Parameters
+    ----------
+    P : Map
+        Of which orbits escape.
+    name, values : str and array_like, optional
+        The parameter that varies, and its values.
+    orbits, transient, steps, populations, stir, seed, threads
+        As in :func:`grazing.escape_rate`.
+    progress : callable, optional
+        ``progress(done, total)``, called after each value.
+
+    Returns
+    -------
+    xarray.Dataset
+        ``rate``, ``error`` and ``lost`` on the parameter; without dimension where none varies.
+
+    Raises
+    ------
+    InputError
+        As :func:`grazing.escape_rate` does.
+
+    Examples
+    --------
+    >>> import grazing as gz
+    >>> from grazing.studies.escape import escape
+    >>> corners = {"A": (0.0, 0.0), "B": (3.0, 0.0), "C": (1.5, 1.5 * 3**0.5)}
+    >>> discs = [gz.disc(name, corner, 1.0, gz.newton(1.0)) for name, corner in corners.items()]
+    >>> P = gz.collision_map(gz.table(discs))
+    >>> found = escape(P, "A.r", [0.8, 1.0], orbits=500, transient=4, steps=4, populations=2)
+    >>> found.rate.dims, bool((found.rate > 0.6).all())
+    (('A.r',), True)
+    """
+    import xarray as xr
+
+    P = checked_map(P)
+    axis = {}
+    if name is not None:
+        name = checked_name(name, P.params, P.name or "the map")
+        axis = {name: checked_values(name, () if values is None else values, P)}
+    maps = [P.replace(**{name: x}) for name, each in axis.items() for x in each.tolist()] or [P]
+    found = []
+    for i, each in enumerate(maps):
+        found.append(
+            escape_rate(
+                each, orbits=orbits, transient=transient, steps=steps, populations=populations, stir=stir, seed=seed,
+                threads=threads,
+            )
+        )  # fmt: skip
+        if progress is not None:
+            progress(i + 1, len(maps))
+    dims = tuple(axis)
+
+    def column(name: str, says: str) -> tuple[object, ...]:
+        numbers = np.array([getattr(one, name) for one in found])
+        return dims, numbers if dims else numbers[0], {"long_name": says, "units": "1"}
+
+    varied = "".join(f" in {name}" for name in axis)
+    return xr.Dataset(
+        {
+            "rate": column("rate", "escape rate a step"),
+            "error": column("error", "its standard error"),
+            "lost": column("lost", "orbits that ended otherwise than by escaping"),
+        },
+        coords={name: (name, each, labels.quantity(P, name)) for name, each in axis.items()},
+        attrs={
+            "title": f"escape rate of the {P.name}{varied}",
+            "orbits": found[0].orbits,
+            "populations": len(found[0].rates),
+            "steps": found[0].steps,
+            **{f"parameter_{key}": value for key, value in P.params.items() if key not in axis},
+        },
+    )

@@ -132,7 +132,9 @@ def least_lags(x: Any, s: Any, tolerance: Any, waiting: Any, good: Any, lag: Any
         undecided += waiting[j]
     N = 1
     while N <= keep // 2 and undecided > 0:
-        end, left = keep, back_at(x, keep - 1, N, tolerance, waiting, good)  # most lags fail at once
+        end, left = keep, back_at(x, keep - 1, N, tolerance, waiting, good)  # most lags fail at once,
+        if left > 0:  # and multiples of a period only where the orbit was still on its way: at the beginning
+            left = close(x, s, N, min(N + ROWS, keep), N, tolerance, good)
         while end > N and left > 0:
             start = max(end - ROWS, N)
             left = close(x, s, start, end, N, tolerance, good)
@@ -180,6 +182,22 @@ def farthest(x: Any, j: int, extent: Any, start: int, end: int, N: int) -> float
     return worst
 
 
+@inlined
+def nearly_back(x: Any, j: int, extent: Any, N: int) -> Any:
+    """Return whether the last N points of orbit j are near all those N steps earlier, or all those 2N earlier.
+
+    Where they are not, :func:`settling` says no after far more work; only N = 1 it asks nothing of.
+    """
+    keep, dimension, _n = x.shape
+    once, twice, k = True, True, keep - 1
+    while (once or twice) and k >= keep - N:
+        for i in range(dimension):
+            once = once and abs(x[k, i, j] - x[k - N, i, j]) / extent[i, j] <= NEAR
+            twice = twice and abs(x[k, i, j] - x[k - 2 * N, i, j]) / extent[i, j] <= NEAR
+        k -= 1
+    return once or twice
+
+
 def settling(x: Any, j: int, extent: Any, tolerance: Any, N: int) -> bool:
     """Say whether orbit j recurs better and better after N steps, or arrived, and nearly so after N or 2N."""
     keep, dimension, _n = x.shape
@@ -215,8 +233,8 @@ def next_cycle(x: Any, s: Any, j: int, extent: Any, tolerance: Any, candidate: i
     keep = x.shape[0]
     count = min(keep, BITS)
     for n in range(N, min(keep // 3, candidate // 2 if candidate > 0 else keep // 5) + 1):
-        if may_repeat(last, count, n) and to_be_tried(candidate, n, keep) and same_letters(s, j, n):
-            if settling(x, j, extent, tolerance, n):
+        if may_repeat(last, count, n) and to_be_tried(candidate, n, keep) and (n == 1 or nearly_back(x, j, extent, n)):
+            if same_letters(s, j, n) and settling(x, j, extent, tolerance, n):
                 return n
     return 0
 

@@ -41,9 +41,9 @@ class Estimate:
     timed : int
         Cells that were timed; 0 if not one was finished in time.
     seconds : float
-        On all threads. A lower bound if no cell was finished.
+        On all threads. A lower bound if no cell was finished and it is not rough.
     rough : bool
-        Whether a cell is too large to be tried, and the time is a rule of thumb from the number of steps.
+        Whether a cell is too large to be tried out, and the time is a rule of thumb from the number of steps.
     """
 
     title: str
@@ -62,7 +62,7 @@ class Estimate:
         sizes = " x ".join(f"{size} {name}" for name, size in self.shape.items()) or "1 cell"
         word, of = ("about" if self.timed else "more than"), f"{self.timed} cells"
         if self.rough:
-            word, of = "roughly", "the number of steps: a cell is too large to be tried"
+            word, of = "roughly", "the number of steps: a cell is too large to be tried out"
         time = f"{word} {_duration(self.seconds)}"
         chunks = "1 chunk" if self.chunks == 1 else f"{self.chunks} chunks"
         return (
@@ -107,7 +107,9 @@ def estimate(plan: Plan, chunk: Chunk = None, *, threads: int | None = None) -> 
     grid = grid_of(checked_plan(plan), chunk)
     workers = (os.cpu_count() or 1) if threads is None else whole(threads, "threads", 1)
     rough = plan.size_of_cell + plan.working > TRIED
-    timed, seconds = (0, plan.work * seconds_per_step(plan)) if rough else _seconds_per_cell(plan)
+    timed, seconds = (0, 0.0) if rough else _seconds_per_cell(plan)
+    if not timed and plan.work * seconds_per_step(plan) > seconds:
+        rough, seconds = True, plan.work * seconds_per_step(plan)
     busy, size = min(workers, max(grid.count, 1)), prod(grid.chunk)
     return Estimate(
         plan.title,

@@ -72,7 +72,8 @@ def number(name: str, value: object) -> float:
 def _checked(name: str, value: object) -> FloatArray:
     rule = RULES[name]
     array = _as_numbers(name, value)
-    wide = array.astype(np.float64)  # narrow numbers cannot be compared with bounds beyond them
+    with np.errstate(over="ignore"):  # of a wider number: inf is refused
+        wide = array.astype(np.float64)  # narrow numbers cannot be compared with bounds beyond them
     above = wide >= rule.low if rule.attained else wide > rule.low
     allowed = above & (wide < rule.high)
     if not np.all(allowed):

@@ -101,7 +101,7 @@ def doubled_orbit(N: int, lam: float, mu: float, l: float) -> FloatArray:
     """
     b = block(N, lam, mu, l)
     small, great = _roots(b)
-    return np.concatenate([climb(b, small**2), climb(b, great**2)])
+    return np.concatenate([climb(b, great, small), climb(b, small, great)])
 
 
 def doubled_multiplier(N: int, lam: float, mu: float, l: float) -> float:

@@ -32,14 +32,20 @@ def block(N: object, lam: object, mu: object, l: object) -> Block:
     return Block(n, a, offset, gap, c, geometric_sum(n, a) * offset - c * gap)
 
 
-def climb(b: Block, square: float) -> FloatArray:
-    """Points x_1 < ... < x_N of the climb through x < 0 that ends at x_N = `square`."""
-    # Backwards from its end, x_(N-k) = -(K_k mu - x_N)/lam^k: every point to full relative accuracy,
-    # and x_(N-1) < 0 exactly when x_N < mu.
+def climb(b: Block, before: float, after: float) -> FloatArray:
+    """Points x_1 < ... < x_N of the climb through x < 0 from one positive point to the next, given by their roots."""
+    # Forwards x_j = K_j mu - lam^(j-1) (l + before), backwards x_(N-k) = -(K_k mu - after^2)/lam^k: each point by
+    # the one that cancels less. Backwards x_(N-1) < 0 exactly when x_N < mu, which near the border has to hold.
+    square = after * after
     if b.N == 1:
         return np.array([square])
-    k = np.arange(b.N - 1, 0, -1)
-    return np.append(-(geometric_sum(k, b.lam) * b.mu - square) / np.power(b.lam, k), square)
+    j = np.arange(1, b.N)
+    rise, shrunk = geometric_sum(j, b.lam) * b.mu, np.power(b.lam, b.N - j)
+    forwards = rise - np.power(b.lam, j - 1.0) * (b.l + before)
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
+        lost = square / shrunk
+        backwards = -(geometric_sum(b.N - j, b.lam) * b.mu - square) / shrunk
+    return np.append(np.where((lost < rise) | (forwards >= 0.0), backwards, forwards), square)
 
 
 def maximal_orbit(N: int, lam: float, mu: float, l: float) -> FloatArray:
@@ -81,7 +87,8 @@ def maximal_orbit(N: int, lam: float, mu: float, l: float) -> FloatArray:
     [-1.0060750571, -0.3048600457, 0.2561119634]
     """
     b = block(N, lam, mu, l)
-    return climb(b, _root(b) ** 2)
+    s = _root(b)
+    return climb(b, s, s)
 
 
 def multiplier(N: int, lam: float, mu: float, l: float) -> float:
