@@ -126,9 +126,10 @@ def test_a_terminal_gets_a_bar_with_rate_and_time_left():
     assert b"\x1b[2K" in shown  # the line is erased
 
 
-#: The command line, which says when its study begins.
+#: The command line, which says when its study begins, with all of numba there: its parts in C lose an interrupt.
 BEGUN = """
 import runpy
+import numba._devicearray
 from grazing.studies import plan
 run_tasks = plan.run_tasks
 def told(*given):
