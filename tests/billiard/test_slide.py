@@ -231,3 +231,26 @@ def test_a_ball_without_a_radius_comes_to_rest_in_a_corner(r, start):
     faces = [gz.segment("a", (-2, 2), (0, 0), gz.newton(r)), gz.segment("b", (0, 0), (2, 1.5), gz.newton(r))]
     flown = gz.trajectory(gz.table(faces, tilt=1.0), start, until=100.0, samples=2)
     assert flown.outcome == "stays for ever" and hypot(flown.x[-1], flown.y[-1]) < 1e-3
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.02, 0.25])
+def test_a_wall_that_runs_into_a_bowl_leaves_no_way_out_between_them(rho):
+    law, (x, y) = gz.newton(0.0), (3.7, -1.3)
+    bowl = gz.arc("bowl", (x, y), 1.0, np.pi, 2 * np.pi, law)
+    walls = [gz.segment(name, (x + side, y), (x + side, y + 4), law) for name, side in (("left", -1), ("right", 1))]
+    found = gz.trajectory(gz.table([bowl, *walls], rho=rho, tilt=1.0), (x - 0.7, y + 1.5, -0.5, 0.0), until=20.0)
+    t, across, up = found.t.values, found.x.values - x, found.y.values - y
+    after = t > 2.0  # the left wall took the speed along its normal
+    height = up + (found.vx.values**2 + found.vy.values**2) / (2.0 * np.sin(1.0))
+    assert np.ptp(height[after]) < 1e-13 and found.trust == "certified"
+    assert (up > rho - 1 - 1e-12).all() and (np.abs(across) < 1 - rho + 1e-12).all()
+    assert across.max() > 0.7 and up[across > 0.0].max() > 1.0  # over to the other wall, and up along it
+
+
+def test_a_ball_without_a_radius_bounces_in_a_corner_whose_end_rounding_put_it_beyond():
+    law = gz.newton(0.4)
+    floor, wall = gz.segment("floor", (-2, 0.3), (2, 0), law), gz.segment("wall", (2, 0), (2, 4), law)
+    table = gz.table([floor, wall, gz.segment("far", (-2, 0.3), (-2, 4), law)], rho=0.0, tilt=1.0)
+    for start in (-0.31, 0.07, 0.52, 0.64):
+        found = gz.trajectory(table, (start, 2.0, 0.3, 0.0), until=60.0)
+        assert float(found.y.min()) > -1e-12, start

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from grazing.billiard.faces import beside_face, body_of, face_corner
 from grazing.billiard.march import beside_circle, side_corner
-from grazing.billiard.roots import SHARE, Gap, Root, Undecided, exact, inside, made, precision, roots_of, same
+from grazing.billiard.roots import SHARE, Gap, Root, Undecided, exact, inside, joined, made, precision, roots_of, same
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,
@@ -77,6 +77,7 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
                     continue
                 if corner:
                     off -= off[0]
+                    within = closed(within, spread)
                 fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
                 yield made(surface, owner, sign * off - size, within, fresh, spread)
             continue
@@ -98,13 +99,18 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
 
 
+def closed(within: tuple[fmpq_poly, ...], spread: float) -> tuple[fmpq_poly, ...]:
+    """Return the ends of a face in whose corner the ball is: that it begins beyond one by rounding is no way out."""
+    return tuple(one - one[0] if -exact(SHARE * spread) < one[0] < 0 else one for one in within)
+
+
 def slid_off(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], spread: float) -> Gap:
     """Return the gap of a circle off which the ball slid, h/s^2, as h and h' are 0 at the begin; h'' is not below 0."""
     rest = fmpq_poly([h[i] for i in range(2, 5)])
     pressed = (
         float(Fraction(int(rest[0].p), int(rest[0].q))) < -SHARE * spread
     )  # where an arc ends below a ball without a radius
-    return made(surface, owner, rest, within, rest[0] <= 0 and not pressed, 0.0)
+    return made(surface, owner, rest, within, rest[0] <= 0 and not pressed, spread * spread)._replace(times=2)
 
 
 def exact_contact(
@@ -157,6 +163,7 @@ def _first(
                 (touches if root.touch else hits).append(root)
                 if not root.touch:
                     break
+        hits += joined(gap)
     end = min((nextafter(float(one.t.upper()), inf) for one in hits), default=inf)
     for root in turning(end, last):
         (touches if root.touch else hits).append(root)

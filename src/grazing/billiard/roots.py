@@ -22,7 +22,7 @@ class Gap(NamedTuple):
 
     ``h`` is None where it is no polynomial of the time.
 
-    ``size`` are the sizes that the gap at the beginning is made of.
+    ``size`` are the sizes that the gap at the beginning is made of; ``h`` is divided by the time so many ``times``.
     """
 
     surface: int
@@ -31,6 +31,7 @@ class Gap(NamedTuple):
     within: tuple[fmpq_poly, ...]
     fresh: bool
     size: float
+    times: int = 0
 
 
 class Root(NamedTuple):
@@ -79,7 +80,7 @@ def roots_of(gap: Gap) -> list[Root]:
     """Return where a gap comes down to 0 from above after the start, or touches it, in order."""
     h: Any = gap.h
     found: list[Root] = []
-    if not gap.fresh and h[0] <= 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
+    if not (gap.fresh or gap.times) and h[0] <= 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
         h -= h[0]
         if h[1] < 0 or (h[1] == 0 and h[2] < 0):
             found.append(Root(arb(0), gap, False))
@@ -101,6 +102,30 @@ def roots_of(gap: Gap) -> list[Root]:
         if (way < 0) == (times % 2 == 1):
             found.append(Root(t, gap, times % 2 == 0))
     return sorted(found, key=lambda one: float(one.t))
+
+
+def joined(gap: Gap) -> list[Root]:
+    """Return where a flight comes past an end of an arc onto it: touching its circle, within rounding, and pressed.
+
+    So it does from a wall that runs into the arc tangentially. That it passes the end on the other side by rounding is
+    no way out: there is none between wall and arc.
+    """
+    h: Any = gap.h
+    if len(gap.within) != 1 or h is None or (gap.fresh and not gap.times):
+        return []
+    h *= fmpq_poly([0, 1]) ** gap.times
+    (end,) = gap.within
+    rate, press, found = h.derivative(), h.derivative().derivative(), []
+    roots: Any = end.numer().complex_roots() if end.degree() > 0 else []
+    for z, count in roots:
+        t = z.real
+        if not (z.imag == 0 and t > 0 and count == 1 and sign_at(end.derivative(), t) > 0 > sign_at(press, t)):
+            continue
+        off, way, bend = at(h, t), at(rate, t), -at(press, t)
+        # it would come down by so much in the time in which it rises, or has risen, by that
+        if abs(off) < SHARE * gap.size and way * way < SHARE * gap.size * bend:
+            found.append(Root(t, gap, False))
+    return found
 
 
 def inside(root: Root) -> int:
