@@ -316,6 +316,25 @@ def test_a_doubled_branch_ends_at_the_other_doubling():
     assert lows == pytest.approx([-np.sqrt(0.2)], abs=1e-9) and highs == pytest.approx([np.sqrt(0.2)], abs=1e-9)
 
 
+def test_a_force_of_the_second_harmonic_has_the_branch_of_the_first_at_twice_the_frequency():
+    """An orbit of 3 periods of cos 2wt is one of 3/2 T twice: what doubles it takes both halves apart, a *bp* here."""
+    reset = gz.pinball(V=0.4).reset
+    first, second = (
+        gz.stroboscopic_map(gz.Oscillator(3.0, 1.0, gz.Forcing(omega=omega, offset=0.12, cos=cos), reset))
+        for omega, cos in ((2.2, (1.0,)), (1.1, (0.0, 1.0)))
+    )
+    points = []
+    for P in (first, second):
+        (orbit,) = gz.periodic_orbits(P, 3)
+        branch = continuation(P, orbit, "offset", (-0.3, 0.3))
+        assert {orbit.period for orbit in branch} == {3}
+        points.append([(one.type, one.value) for one in branch.special])
+    halves = sorted((type.replace("pd", "bp"), value) for type, value in points[0])
+    twice = sorted(set((type, round(value, 9)) for type, value in points[1]))
+    assert [type for type, _value in twice] == [type for type, _value in halves]
+    assert [value for _type, value in twice] == pytest.approx([value for _type, value in halves], abs=1e-9)
+
+
 def test_grazes_do_not_go_on_without_end_into_chatter():
     model = gz.pinball(V=0.0, r=0.3, d=0.1)
     orbit = next(o for o in gz.one_impact_orbits(model, 1) if o.admissible)

@@ -75,18 +75,20 @@ def test_no_orbit_has_more_impacts_in_a_period_than_the_bound(V):
     assert most_impacts(m.replace(V=0.0)) == np.inf
 
 
-def test_an_orbit_that_goes_twice_round_one_of_half_a_period_is_a_repetition():
-    """A force of the second harmonic alone repeats itself after T/2, so 2 impacts in 3 T may be 1 in 1.5 T, twice."""
+def test_an_orbit_that_repeats_itself_after_half_a_period_is_one_of_whole_periods():
+    """A force of the second harmonic alone repeats itself after T/2: 1 impact in 1.5 T is an orbit of 3 strobes."""
     single = gz.pinball(d=0.12, V=0.4)
     (orbit,) = gz.one_impact_orbits(single, 3)[-1:]
     half = gz.Oscillator(3.0, 1.0, gz.Forcing(omega=1.1, offset=0.12, cos=(0.0, 1.0)), single.reset)
     assert half.period == pytest.approx(2.0 * single.period)
     found = Solutions(half, Tally())
-    x = np.array([[orbit.tau, orbit.tau + 3 * single.period, orbit.v_plus, orbit.v_plus]])
-    assert len(found.add(3, (WHOLE,) * 2, x)) == 0
-    assert found.tally.converged == 1
-    other = gz.Oscillator(3.0, 1.0, gz.Forcing(omega=1.1, offset=0.12, cos=(1e-9, 1.0)), single.reset)
-    assert len(Solutions(other, Tally()).add(3, (WHOLE,) * 2, x)) == 1
+    times = orbit.tau + 3 * single.period * np.arange(4.0)
+    twice, four = (np.r_[times[:n], np.full(n, orbit.v_plus)][None] for n in (2, 4))
+    assert len(found.add(3, (WHOLE,) * 2, twice)) == 1
+    assert len(found.add(6, (WHOLE,) * 4, four)) == 0
+    assert found.tally.converged == 2
+    (one,) = gz.periodic_orbits(gz.stroboscopic_map(half), 3)
+    assert one.times == pytest.approx(np.mod(orbit.tau, single.period) + 3 * single.period * np.arange(2.0), abs=1e-9)
 
 
 def test_guesses_are_not_decided_in_ball_arithmetic(monkeypatch):

@@ -96,7 +96,7 @@ def evenly(special: Special, base: Equations, x: Floats, p: Floats) -> tuple[Eve
     for j, name in enumerate(base.names):
         moved = p.copy()
         moved[j] += MOVED * base.spans[j]
-        if not base.model_at(moved).symmetric:
+        if base.mirrored(x, moved) is None:
             raise InputError(
                 f"{name} takes the symmetry from the model, and the {special.type} with it; give another one"
             )

@@ -254,19 +254,24 @@ class ImpactEquations(FlightEquations):
     def halved(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         h = self.n // 2
-        if self.n % 2 or self.pieces[:h] != self.pieces[h:]:
+        if self.n % 2 or self.N % 2 or self.pieces[:h] != self.pieces[h:]:
             return None
-        turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
-        return None if turns * self.N % 2 else self.uneven(x, self.period_at(p))
+        return self.uneven(x, self.period_at(p))
 
     def mirrored(self, x: Floats, p: Floats) -> Floats | None:
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same.
 
-        The image of an orbit is half a period T later, at the other wall each time. One that is its own image repeats
-        itself so after N/2 periods, and as many impacts: N is odd.
+        The image of an orbit is half a period T later, at the other wall each time, or at the same one where the force
+        repeats itself after T/2. One that is its own image repeats itself so after N/2 periods, and as many impacts: N
+        is odd.
         """
         h = self.n // 2
-        if self.n % 2 or self.N % 2 == 0 or [1 - wall for wall in self.walls[h:]] != self.walls[:h]:
+        if self.n % 2 or self.N % 2 == 0:
+            return None
+        turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
+        if turns % 2 == 0 and self.pieces[h:] == self.pieces[:h]:
+            return self.uneven(x, self.period_at(p))
+        if [1 - wall for wall in self.walls[h:]] != self.walls[:h]:
             return None
         if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
             return None

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from itertools import product
-from math import nan
+from math import gcd, nan
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,7 +19,7 @@ from grazing.orbits.contacts import PIECES, contacts_of, piece_of, pieces_of, wa
 from grazing.orbits.corrector import weighed
 from grazing.orbits.finder import Tally
 from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.impact_equations import SHORTEST, ImpactEquations, force_turns
+from grazing.orbits.impact_equations import SHORTEST, ImpactEquations
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.rig import Rig
@@ -85,10 +85,10 @@ class Solutions:
 
     def _repeats(self, x: Floats, N: int, pieces: Pieces, equations: ImpactEquations) -> NDArray[np.bool_]:
         """Return which solutions go round a shorter one several times."""
-        n, turns = len(pieces), force_turns(self.model.params)
+        n = len(pieces)
         repeats = np.zeros(len(x), bool)
-        for d in range(2, n + 1):
-            if n % d or turns * N % d:  # N/d periods T must be whole ones of the force, which may be shorter
+        for d in range(2, gcd(n, N) + 1):
+            if n % d or N % d:  # an orbit of N/d points of the map, however soon the force repeats itself
                 continue
             shift = turned(x, n // d, N * self.T) - np.repeat([N / d * self.T, 0.0], n)
             repeats |= (np.abs((shift - x) / equations.scale) < SAME).all(axis=1)
