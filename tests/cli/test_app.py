@@ -196,6 +196,7 @@ def from_another(error, cause):
         (from_another(OSError("x.so not found"), ImportError("Cannot allocate memory")), 1, "out of memory"),
         (from_another(ImportError("no module"), ImportError("No module named 'numba'")), 1, "'numba'); install"),
         (KeyboardInterrupt(), 130, "stopped: interrupted"),
+        (from_another(ImportError("numpy failed to import"), KeyboardInterrupt()), 130, "stopped: interrupted"),
         (ZeroDivisionError("by zero"), 1, "unexpected error: ZeroDivisionError: by zero\nThis is a defect in grazing"),
     ],
 )

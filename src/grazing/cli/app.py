@@ -137,10 +137,7 @@ def _guarded(tokens: list[str]) -> int:
     except GrazingError as error:
         return _fail(str(error), FAILED)
     except KeyboardInterrupt as stop:
-        # Python keeps in mind that an interrupt left code it was given as text, as that of a named tuple, and then ends
-        # by the signal, not with our exit code, although it was caught. The next such code makes it forget.
-        exec("")
-        return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
+        return _interrupted(stop)
     except BrokenPipeError:
         return DONE
     except SystemExit as stop:  # how the writer of the help says that its reader has left
@@ -150,7 +147,9 @@ def _guarded(tokens: list[str]) -> int:
             f"code of your own, or of a package, called sys.exit({shown(stop.code)}); leave that away.", FAILED
         )
     except (ImportError, OSError, MemoryError) as error:
-        return _failed(error)
+        stops = [one for one in _causes(error) if isinstance(one, KeyboardInterrupt)]
+        # Modules in C say of an interrupt that reaches them that something cannot be imported.
+        return _interrupted(stops[0]) if stops and isinstance(error, ImportError) else _failed(error)
     except BaseException as error:  # of whatever kind: a class of the user's may raise any
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
@@ -165,6 +164,14 @@ def _guarded(tokens: list[str]) -> int:
             FAILED,
             "unexpected error",
         )
+
+
+def _interrupted(stop: KeyboardInterrupt) -> int:
+    """Say that the user ended it."""
+    # Python keeps in mind that an interrupt left code it was given as text, as that of a named tuple, and then ends
+    # by the signal, not with our exit code, although it was caught. The next such code makes it forget.
+    exec("")
+    return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
 
 
 def _failed(error: ImportError | OSError | MemoryError) -> int:
