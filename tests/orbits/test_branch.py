@@ -335,6 +335,18 @@ def test_a_force_of_the_second_harmonic_has_the_branch_of_the_first_at_twice_the
     assert [value for _type, value in twice] == pytest.approx([value for _type, value in halves], abs=1e-9)
 
 
+def test_what_breaks_off_where_the_force_repeats_itself_is_what_doubles_at_twice_the_frequency():
+    reset, ends = gz.pinball(V=0.4).reset, []
+    for omega, cos, type in ((2.2, (1.0,), "pd"), (1.1, (0.0, 1.0), "bp")):
+        P = gz.stroboscopic_map(gz.Oscillator(3.0, 1.0, gz.Forcing(omega=omega, offset=0.12, cos=cos), reset))
+        (orbit,) = gz.periodic_orbits(P, 3)
+        at = next(one for one in continuation(P, orbit, "offset", (0.1, 0.15)).special if one.type == type)
+        broken = continuation(P, at, "offset", (0.1, 0.15))
+        assert {orbit.period for orbit in broken} == {6 if type == "pd" else 3}
+        ends.append(sorted({(one.type, round(one.value, 10)) for one in broken.special}))
+    assert len(ends[0]) == 3 and ends[0] == ends[1]
+
+
 def test_grazes_do_not_go_on_without_end_into_chatter():
     model = gz.pinball(V=0.0, r=0.3, d=0.1)
     orbit = next(o for o in gz.one_impact_orbits(model, 1) if o.admissible)

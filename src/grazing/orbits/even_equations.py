@@ -19,7 +19,7 @@ MOVED = 1e-4
 
 
 class EvenEquations(Equations):
-    """Half of the equations of a symmetric orbit; the other half of its impacts are at the other walls, N/2 T later.
+    """Half of the equations of a symmetric orbit; the other impacts are N/2 T later, at the walls that its image meets.
 
     Where symmetry breaks, the equations of all impacts have a null vector that takes the two halves apart. It is none
     of these.
