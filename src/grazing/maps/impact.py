@@ -19,14 +19,8 @@ from grazing.maps.settle import said_in_flight
 from grazing.maps.starting import impact_box
 from grazing.maps.walled_impact import walled_impact_map
 from grazing.oscillator.constants import constants_of, forcing
-from grazing.oscillator.contact import (
-    FLIES,
-    LIES,
-    MAX_SWINGS,
-    departure_of,
-    next_contact,
-    placed,
-)
+from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
+from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.model import checked_model
 from grazing.oscillator.pointed import POINTED

@@ -20,7 +20,8 @@ from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, 
 from grazing.maps.settle import Settled, said_in_flight
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.constants import refuse_to_compile
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
+from grazing.oscillator.contact import MAX_SWINGS
+from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.facing import fill_frames
 from grazing.oscillator.flight import modes

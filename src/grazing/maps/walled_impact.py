@@ -17,7 +17,8 @@ from grazing.maps.of_oscillator import OfRig
 from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period
 from grazing.maps.settle import said_in_flight
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, placed
+from grazing.oscillator.contact import MAX_SWINGS, placed
+from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.frames import Frames, first_contact, frame_of, frames_kind, frames_of, frames_rows, plain_frames
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.pointed import POINTED
