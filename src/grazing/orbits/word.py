@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Iterable, Iterator, Sequence
 from itertools import islice
+from typing import Any
 
 from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
@@ -74,10 +75,20 @@ def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
     (0, 0, 1)
     """
     s = _sequence(letters)
-    n = len(s)
+    first = least_start(s, 0, len(s))
+    return s[first:] + s[:first]
+
+
+def wrapped(n: int, length: int) -> int:
+    """Return n modulo the length, for n below twice the length: a division takes long."""
+    return n - length if n >= length else n
+
+
+def least_start(s: Any, first: int, n: int) -> int:
+    """Return where, in the cycle of n letters from ``first`` on, the least rotation begins; counted from ``first``."""
     i, j, k = 0, 1, 0  # two rotations that agree in k letters; the larger one and all between them drop out
     while i < n and j < n and k < n:
-        a, b = s[(i + k) % n], s[(j + k) % n]
+        a, b = s[first + wrapped(i + k, n)], s[first + wrapped(j + k, n)]
         if a == b:
             k += 1
             continue
@@ -88,8 +99,7 @@ def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
         if i == j:
             j += 1
         k = 0
-    first = min(i, j)
-    return s[first:] + s[:first]
+    return min(i, j)
 
 
 def word(letters: Iterable[int], symbols: str | Alphabet | None = None) -> str:
