@@ -7,9 +7,8 @@ negative, come before all counts. A word names a class of orbits: a doubled LLR 
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import islice
 from typing import Any
 
@@ -260,33 +259,6 @@ def _lyndon(n: int, count: int, most: int | None) -> Iterator[tuple[int, ...]]:
             yield from extend(t + 1, p if letter == a[t - p] else t, total + letter)
 
     yield from extend(1, 1, 0)
-
-
-def impacts_and_periods(letters: Sequence[int]) -> tuple[float, int]:
-    """Return how many impacts an orbit of the oscillator has, and in how many forcing periods.
-
-    Unlike the word, the pair does not change when an impact crosses the strobe.
-
-    Parameters
-    ----------
-    letters : sequence of int
-        Impacts in each period of the forcing, one letter per period of the orbit.
-
-    Returns
-    -------
-    impacts : float
-        Infinite for an orbit with completed chatter.
-    periods : int
-
-    Examples
-    --------
-    >>> impacts_and_periods((0, 0, 1)), impacts_and_periods((0, -1))
-    ((1, 3), (inf, 2))
-    """
-    s = _sequence(letters)
-    if CHATTER_LETTER in s:
-        return math.inf, len(s)
-    return sum(0 if letter == STUCK_LETTER else letter for letter in s), len(s)
 
 
 def _sequence(letters: Iterable[int]) -> tuple[int, ...]:
