@@ -17,7 +17,7 @@ from grazing.maps.of_oscillator import OfWalls
 from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period
 from grazing.maps.settle import said_in_flight
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.contact import MAX_SWINGS, placed
+from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
 from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.frames import Frames, first_contact, frame_of, plain_frames
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
@@ -36,11 +36,11 @@ def sign_of(b: bool, c: Frames) -> float:
 
 
 @lru_cache(maxsize=256)
-def return_of(first: Law, second: Law) -> Callable[..., Any]:
+def return_of(first: Law, second: Law, still: bool = False) -> Callable[..., Any]:
     """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for the laws of two walls.
 
-    As over one wall, :func:`grazing.maps.impact.return_of`; the sign of a velocity says which wall was left, that of
-    a zero, too.
+    J is followed by the logarithm of |det J|. The sign of a velocity says which wall was left, that of a zero, too.
+    ``still`` is for one wall at rest below the ball, whose frames are :func:`grazing.oscillator.frames.alone`.
     """
     departs, departs_b = departure_of(*first), departure_of(*second)
     slope, slope_b = first[1], second[1]
@@ -48,7 +48,7 @@ def return_of(first: Law, second: Law) -> Callable[..., Any]:
     def tangent(state: Any, c: Any) -> Any:
         tau, v = state
         lost, T = (NAN, NAN, NAN, NAN, NAN), c.a.T
-        b = c.two and copysign(1.0, v) < 0.0
+        b = not still and c.two and copysign(1.0, v) < 0.0
         from_side = sign_of(b, c)
         w = abs(v)
         if not (w < INFINITY and abs(tau) < INFINITY) or (v != 0.0 and from_side * v < 0.0):
@@ -63,7 +63,10 @@ def return_of(first: Law, second: Law) -> Callable[..., Any]:
         while strobes <= MAX_PERIODS:
             hit = rests
             if not rests:
-                hit, b, ball, flags, _near = first_contact(ball, b, c)
+                if still:
+                    hit, ball, flags, _near = next_contact(ball, c.a)
+                else:
+                    hit, b, ball, flags, _near = first_contact(ball, b, c)
                 outcome |= flags
             if hit:
                 arrived, here = ball.v, frame_of(b, c)
