@@ -100,6 +100,30 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown)
 
 
+@pytest.mark.parametrize("view", ["ball", "gap", "oscillator", "tour"])
+def test_a_narrow_screen_is_filled_too(browser, address, view):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    shown = Shown(context.new_page())
+    shown.open(f"{address}#version=1&{VIEWS[view]}")
+    shown.page.tap("#present")
+    assert presenting(shown)
+    shown.until(f"async () => await ({DRAWN})() > 17.999")
+    assert shown.page.evaluate(SMALLEST)[0] >= 18
+    size = "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
+    assert shown.page.evaluate(size) == [844, 390]
+    picture = shown.page.locator("main .view:not([hidden]) .first").bounding_box()
+    slider = shown.page.locator(".control.turned").bounding_box()
+    assert picture["height"] > 200 and picture["y"] + picture["height"] <= slider["y"]
+    assert slider["y"] + slider["height"] <= 844
+    if AXE.exists():
+        shown.page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = shown.page.evaluate("() => axe.run()")["violations"]
+        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+    shown.page.tap("#end")
+    assert not presenting(shown) and shown.errors == []
+    context.close()
+
+
 def test_keys_are_at_hand_before_a_room(shown, address):
     shown.open(f"{address}#version=1&view=ball&offset=0.14&tour=1")
     shown.page.keyboard.press("p")

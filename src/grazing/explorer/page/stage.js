@@ -3,9 +3,6 @@
 
 const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
-/** Pixels across that a room needs. */
-const LEAST = 721;
-
 /** What a key is typed into, and not said to the page. @param {EventTarget | null} target */
 const isTyped = (target) => target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && /** @type {HTMLInputElement} */ (target).type !== "range";
 
@@ -21,7 +18,7 @@ export function stage(again) {
     more.setAttribute("aria-expanded", String(on));
   };
   const show = (/** @type {boolean} */ on) => {
-    if (classList.contains("presenting") === on || (on && innerWidth < LEAST)) return;
+    if (classList.contains("presenting") === on) return;
     classList.toggle("presenting", on);
     byId("stage").hidden = !on;
     all(false);
