@@ -56,7 +56,7 @@ const part = (of, key) => /** @type {Record<string, any>} */ (of)[key];
 /** @returns {View | undefined} */
 const current = () => views[state.view];
 /** What `share.js` asks of the page. */
-const page = { view: current, state: () => state, drawn: () => !problems.has("picture"), address: () => address() };
+const page = { view: current, more: () => pinned?.panels() ?? [], repaint: () => (current()?.repaint(), pinned?.repaint()), state: () => state, drawn: () => !problems.has("picture"), address: () => address() };
 /** @param {unknown} error */
 const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
 /** @param {string} selector @returns {HTMLElement[]} */
@@ -165,7 +165,6 @@ function render() {
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);
   const view = current();
-  pinned?.show(comparable());
   $("summary").hidden = !view;
   if (!view && problems.has("kernels")) return;
   if (!view) {
@@ -173,6 +172,7 @@ function render() {
     return;
   }
   pool?.see(shown);
+  pinned?.show();
   view.show(state);
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
@@ -249,7 +249,7 @@ function tell() {
 /** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. @param {Partial<State>} shown */
 function present(shown) {
   leave();
-  state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
+  state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, pinned: state.pinned, ...structuredClone(shown) };
   home = structuredClone(state);
   anew();
   refresh();
@@ -259,20 +259,18 @@ function present(shown) {
 const anew = () => ball && (ball.key = undefined);
 
 /** The diagram on screen that can be kept to compare. */
-const comparable = () => (state.view === "gap" || state.view === "oscillator" ? current()?.diagram : undefined);
+const comparable = () => /** @type {import("./pinned.js").Shown | undefined} */ (state.view === "gap" || state.view === "oscillator" ? current() : undefined);
 
 /** Show all of every axis. */
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
 
-/** @param {Record<string, import("./machine.js").Module>} described */
-function build(described) {
+function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
-  const pin = (pinned = new Pinned($("pin")));
-  for (const view of [views.gap, views.oscillator]) if (view?.diagram) view.diagram.drew = () => pin.show(comparable());
-  $("pin").addEventListener("click", () => pin.turn(comparable(), described[state.view === "gap" ? "gap" : "oscillator"]?.fields ?? []));
+  if (pool) pinned = new Pinned($("pin"), pool, { fields, change, problem: (text) => problem(text, "picture"), view: comparable, state: () => state });
+  for (const view of [views.gap, views.oscillator]) if (view?.diagram) view.diagram.drew = () => pinned?.draw();
   guide = guided({ change, present, state: () => state });
   $("problem").lastElementChild.addEventListener("click", () => {
     problems.clear();
@@ -298,7 +296,7 @@ function build(described) {
     linked = hash;
     if (hash !== toFragment(state)) read(hash);
   });
-  const again = () => (failed ? refresh() : current()?.repaint());
+  const again = () => (failed ? refresh() : page.repaint());
   stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
@@ -345,7 +343,7 @@ async function begin() {
     views.ball = ball = new BallView(machines.oscillator, described, events, pool);
   }
   if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
-  build(described.modules);
+  build();
   read(location.hash);
   // for tests and for the curious: what is on screen
   Object.assign(globalThis, { explorer: { views, state: () => state, link: () => toFragment(state), texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });
