@@ -82,6 +82,56 @@ def test_a_game_by_keys_is_the_same_in_python_and_from_its_link(shown, address):
     assert hits(page) == there
 
 
+def test_a_game_with_nudges_is_the_same_in_python_and_from_its_link(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
+    hold(page)
+    random = np.random.default_rng(7)
+    for i in range(60):
+        page.keyboard.press(["ArrowLeft", "ArrowUp", "ArrowRight", "a", "d"][i % 5])
+        play(page, float(random.uniform(0.3, 0.9)))
+    there, nudges = hits(page), page.evaluate(f"() => {GAME}.nudges.map(n => n.t)")
+    assert len(there) > 20 and len(nudges) > 3
+    page.click("[data-copy=python]")
+    program, scope = page.evaluate("() => navigator.clipboard.readText()"), {}
+    exec(program.replace("gz.plot.table(T, flown[-1])", "").replace("print(", "found = ("), scope)
+    assert page.evaluate(f"() => {GAME}.unsure") == 0
+    assert scope["found"] == (there, page.evaluate(f"() => {GAME}.end"))
+    page.click("[data-copy=link]")
+    link = page.evaluate("() => navigator.clipboard.readText()")
+    page.goto("about:blank")
+    page.goto(link)
+    shown.until("() => window.pinball && pinball.game()?.t > 0")
+    hold(page)
+    play(page, 60.0, 0.05)  # other frames than before: the same game
+    assert hits(page) == there and page.evaluate(f"() => {GAME}.nudges.map(n => n.t)") == nudges
+
+
+def test_a_nudge_moves_the_balls_in_the_air_and_too_many_tilt(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 0.1, 3.0])")
+    hold(page)
+    page.evaluate("() => { pinball.split(); pinball.step(0.02); }")
+    speeds = f"() => [{GAME}.place[3], {GAME}.places[3]]"
+    before = page.evaluate(speeds)
+    page.keyboard.press("ArrowUp")
+    page.evaluate("() => pinball.step(1e-9)")
+    after, size = page.evaluate(speeds), 0.1 * page.evaluate(f"() => {GAME}.table.from[2]")
+    np.testing.assert_allclose(np.subtract(after, before), size, rtol=1e-6)
+    page.keyboard.down("ArrowLeft")
+    assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 1
+    for key in "ad":
+        page.evaluate("() => pinball.step(0.02)")
+        page.keyboard.press(key)
+    assert "TILT" in page.inner_text("#said") and page.evaluate(f"() => {GAME}.tilted")
+    assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 2  # it fell
+    page.keyboard.up("ArrowLeft")
+    page.keyboard.down("ArrowRight")
+    assert page.evaluate(f"() => {GAME}.presses.right_flipper.length") == 0
+    page.evaluate("() => pinball.plunge(0.7)")
+    assert not page.evaluate(f"() => {GAME}.tilted")
+
+
 def test_flippers_work_as_long_as_the_ball_flies(shown, address):
     page = opened(shown, address)
     page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
@@ -203,6 +253,8 @@ def test_thumbs_on_a_telephone(browser, address):
         ("#table=classic&bumper1.V=-1", "0 or more"),
         ("#table=classic&start=1,2,3,4&left_flipper.pressed=2,1", "do not rise"),
         ("#table=classic&tilt=abc", "no numbers"),
+        ("#table=classic&start=1,2,3,4&nudges=1,2,3", "five numbers each"),
+        ("#table=classic&start=1,2,3,4&nudges=2,1,1,1,1,1,1,1,1,1", "do not rise"),
         ("#v=99&table=classic", "newer version"),
     ],
 )

@@ -18,6 +18,8 @@ import { addressOf } from "./where.js";
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 /** Seconds to pull the plunger all the way, and of a frame at most. */
 const PULL = 1.2, FRAME = 0.05;
+/** How much faster a nudge makes the ball, as a share of how fast one may be thrown by hand. */
+const NUDGE = 0.1;
 /** Near balls, and the angle between two of them. */
 const MANY = 100, SMALL = 1e-7;
 /** Letters of the word that are shown; how near a miss is told, as a share of the bumper's radius; seconds for which. */
@@ -36,7 +38,7 @@ let machine;
 /** @type {Played} */
 let game;
 let rung = RUNGS[0], pulled = 0, pace = 1, paused = false, before = 0, told = 0, frame = 0, asked = 0;
-/** @type {{t: number, i: number, down: boolean}[] | null} what is replayed */
+/** @type {{t: number, act: (t: number) => void}[] | null} what is replayed */
 let replaying = null;
 /** @type {{t: number, spread: number}[]} */
 let parted = [];
@@ -186,8 +188,19 @@ function plunge(share) {
 
 /** @param {number} i @param {boolean} down */
 function press(i, down) {
-  if (!game?.alive || replaying || i >= game.flippers.length) return;
+  if (!game?.alive || replaying || i >= game.flippers.length || (down && game.tilted)) return;
   game.press(i, down);
+}
+
+/** Nudge the table: sideways and upwards, −1, 0 or 1. @param {number} across @param {number} up */
+function nudge(across, up) {
+  if (!game?.alive || replaying) return;
+  const size = NUDGE * game.table.from[2];
+  if (!game.nudge(across * size, up * size)) return say("A nudge moves a ball in the air; this one lies on something.");
+  drawing.shake(across, up);
+  if (!game.tilted) return;
+  for (const i of game.flippers.keys()) game.press(i, false);
+  say(game.flippers.length ? "TILT: nudged too often, the flippers are dead until the next ball." : "", true);
 }
 
 function split() {
@@ -197,8 +210,9 @@ function split() {
 }
 
 /** Do again what the player did. */
-function replay(start = game.start, presses = game.presses) {
-  const list = Object.entries(presses).flatMap(([name, times]) => times.map((t, j) => ({ t, i: game.flippers.indexOf(name), down: j % 2 === 0 })));
+function replay(start = game.start, presses = game.presses, nudges = game.nudges) {
+  const list = Object.entries(presses).flatMap(([name, times]) => times.map((t, j) => ({ t, act: () => game.press(game.flippers.indexOf(name), j % 2 === 0, t) })));
+  list.push(...nudges.map((each) => ({ t: each.t, act: () => game.leap(each) })));
   launch(start);
   replaying = list.sort((a, b) => a.t - b.t);
 }
@@ -228,7 +242,7 @@ function step(seconds) {
     const next = replaying.shift();
     if (!next) break;
     heard(game.advance(next.t));
-    game.press(next.i, next.down, next.t);
+    if (game.alive) next.act(next.t);
   }
   heard(game.advance(until));
   drawing.follow(game);
@@ -352,7 +366,7 @@ async function start() {
     problem(`The link could not be read: ${why(error)}. The machine is shown instead.`);
   }
   choose(given?.table ?? "classic", given?.changes);
-  if (given?.start) replay(given.start, given.presses);
+  if (given?.start) replay(given.start, given.presses, given.nudges);
   else if (!still.matches) {
     plunge(0.83);
     game.fan(60, SMALL);
@@ -362,12 +376,15 @@ async function start() {
 function listen() {
   /** @type {Record<string, number>} */
   const KEYS = { ArrowLeft: 0, z: 0, Z: 0, ArrowRight: 1, m: 1, M: 1 };
+  /** @type {Record<string, [number, number]>} */
+  const NUDGES = { ArrowUp: [0, 1], a: [-1, 0], A: [-1, 0], d: [1, 0], D: [1, 0] };
   const elsewhere = (/** @type {KeyboardEvent} */ event) => event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).tagName === "INPUT" || /** @type {HTMLElement} */ (event.target).id === "exits";
   addEventListener("keydown", (event) => {
     if (event.key === "Enter" && /** @type {HTMLElement} */ (event.target).id === "exits") return exits.chosen && exits.choose(...exits.chosen);
     if (elsewhere(event)) return;
     const onButton = ["BUTTON", "A"].includes(/** @type {HTMLElement} */ (event.target).tagName);
     if (event.key in KEYS) press(KEYS[event.key], true);
+    else if (event.key in NUDGES) event.repeat || nudge(...NUDGES[event.key]);
     else if (event.key === " " && !onButton) {
       if (!pulled && !event.repeat) pulled = performance.now();
       run();
@@ -408,6 +425,7 @@ function listen() {
     pulled = performance.now();
     run();
   });
+  $("nudge").addEventListener("click", () => nudge(0, 1));
   $("plunger").addEventListener("pointerup", release);
   $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(0.8)); // by key
   $("pause").addEventListener("click", pause);
@@ -447,5 +465,5 @@ function pause() {
 }
 
 /** For tests: what is shown. */
-Object.assign(window, { pinball: { game: () => game, edit: () => edit, drawing: () => drawing, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, split, letters: () => [...letters.values()], parted: () => parted } });
+Object.assign(window, { pinball: { game: () => game, edit: () => edit, drawing: () => drawing, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, nudge, split, letters: () => [...letters.values()], parted: () => parted } });
 start();
