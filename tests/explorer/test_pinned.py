@@ -81,7 +81,8 @@ def test_no_line_is_lost_where_a_picture_is_made_smaller(shown, address):
 
 
 SHOWN_IN_PINNED = """() => {
-  const canvas = document.getElementById("pinned"), { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+  const canvas = document.getElementById("pinned"), c = canvas.getContext("2d");
+  const { data } = c.getImageData(0, 0, canvas.width, canvas.height);
   let sum = 0;
   for (let i = 0; i < data.length; i += 4) sum = (31 * sum + data[i]) % 1000003;
   return [canvas.width, canvas.height, sum, canvas.getAttribute("aria-label")];

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.distance import distance
 from tests.explorer.test_page import AXE
 
 GAME = "pinball.game()"
@@ -163,6 +164,52 @@ def test_letters_are_typed_as_bumpers_are_hit(shown, address):
     names = dict(zip(["bumper1", "bumper2", "bumper3", "left_sling", "right_sling"], "ABCDE", strict=True))
     word = "".join(names.get(name, "") for name in hits(page))
     assert word and page.inner_text("#word") == word[-40:]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("bumper1", "Missed A by"),
+        ("left_sling", "Missed D by"),
+        ("left_flipper", "Missed the left flipper by"),
+        ("left_guide", "Missed the left guide by"),
+    ],
+)
+def test_what_is_missed_by_a_hair_is_told(shown, address, name, said):
+    """The ball flies past, 1 mm off at its nearest; the least distance is that of Python's formulas."""
+    page = opened(shown, address)
+    T = gz.read_table("classic")
+    one, g = T.objects[T.names.index(name)], T.gravity
+    x, y, vx, vy = past(one, T.rho, g)
+    page.evaluate("state => { pinball.launch(state); pinball.pause(); }", [float(v) for v in (x, y, vx, vy)])
+    told = []
+    for _ in range(30):
+        page.evaluate("() => pinball.step(0.002)")
+        told.append(page.inner_text("#said"))
+    assert page.evaluate(f"() => {GAME}.hits.length") == 0
+    (text,) = {each for each in told if each.startswith(said)}
+    t = np.linspace(0.0, 0.06, 60_001)
+    angle = one.shape.get("rest", 0.0)
+    far = min(distance(one, x + vx * s, y + (vy - 0.5 * g * s) * s, angle) for s in t) - T.rho
+    assert abs(far - 0.01) < 1e-3
+    assert re.search(rf"by {far / 0.01:.2g}\d* mm: ", text) or text.startswith(f"{said} {far / 0.01:.2} mm: ")
+    jump = name in ("bumper1", "left_sling")
+    assert ("here your future splits in two" in text) == jump
+
+
+def past(one, rho, g, off=0.01, late=0.03, speed=6.0):
+    """Return a state from which a ball comes within ``off`` of an object after some time, and not nearer."""
+    shape = one.shape
+    if one.kind == "disc":
+        px, py, nx, ny = shape["x"], shape["y"] + shape["radius"], 0.0, 1.0
+    elif one.kind == "flipper":
+        nx, ny = np.cos(shape["rest"]), np.sin(shape["rest"])
+        px, py = shape["x"] + (shape["length"] + shape["tip"]) * nx, shape["y"] + (shape["length"] + shape["tip"]) * ny
+    else:  # the end that stands higher
+        (px, py), (qx, qy) = sorted(((shape["x1"], shape["y1"]), (shape["x2"], shape["y2"])), key=lambda p: -p[1])
+        nx, ny = np.array([px - qx, py - qy]) / np.hypot(px - qx, py - qy)
+    x, y, vx, vy = px + (rho + off) * nx, py + (rho + off) * ny, speed * ny, -speed * nx
+    return x - vx * late, y - vy * late - 0.5 * g * late**2, vx, vy + g * late
 
 
 def test_near_balls_part_and_their_rate_is_told(shown, address):

@@ -219,6 +219,11 @@ export class Played {
     return omega ? angle + omega * (t - begin) : angle;
   }
 
+  /** Whether a flipper is on its way. @param {string} name */
+  turns(name) {
+    return this.angle(name, this.t) !== this.angle(name, this.t - INSTANT);
+  }
+
   /** Move on to a time; returns the impacts since. @param {number} until */
   advance(until) {
     const { block, bits } = this, numbers = block.length, from = this.hits.length;
@@ -267,12 +272,6 @@ export class Played {
   /** The flight under way: its state at the begin, and how long it has lasted. */
   get flight() {
     return { state: Float64Array.from(this.#now.subarray(2, 6)), length: this.t - this.#now[0], begin: this.#now[0] };
-  }
-
-  /** How near the flight under way has come to the circles of an object. @param {number} owner */
-  nearest(owner) {
-    const { state, length } = this.flight;
-    return this.machine.call("nearest", { numbers: this.block.length, block: this.block, state, length: Math.max(length, 0), owner }).result;
   }
 
   /** Let balls fly beside this one, each turned by a little; the least turn is `small`. @param {number} many @param {number} small in radians */

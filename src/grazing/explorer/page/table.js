@@ -4,6 +4,7 @@ import { dark, theme } from "./colours.js";
 import { Edit, hasRoom } from "./edit.js";
 import { Exits } from "./exits.js";
 import { load } from "./load.js";
+import { missedBy } from "./near.js";
 import { Played } from "./played.js";
 import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
@@ -22,7 +23,7 @@ const PULL = 1.2, FRAME = 0.05;
 const NUDGE = 0.1;
 /** Near balls, and the angle between two of them. */
 const MANY = 100, SMALL = 1e-7;
-/** Letters of the word that are shown; how near a miss is told, as a share of the bumper's radius; seconds for which. */
+/** Letters of the word that are shown; how near a miss is told, as a share of the radius of the disc, or else of the ball; seconds for which. */
 const WORD = 40, NEAR = 0.12, TOLD = 2.5;
 /** Columns of the curve of distances, in seconds of play. */
 const REMEMBERED = 12;
@@ -260,22 +261,21 @@ function heard(hits) {
   for (const hit of hits.slice(-3)) sound.hit(Math.abs(hit.before), fastest);
 }
 
-/** Tell of a bumper that has just been missed by little: there the next ball may go another way. */
+/** Tell of what has just been missed by little: there the next ball may go another way. */
 let missed = "";
 function nearMiss() {
-  const { table, things } = game;
-  for (const [j, letter] of letters) {
-    const one = things[j];
-    if (one.kind !== "disc" || game.hits.at(-1)?.owner === j) continue;
-    const off = game.nearest(j), key = `${game.flight.begin} ${j}`;
-    if (!(off >= 0 && off < NEAR * one.shape.radius) || key === missed) continue;
-    const [x, y, vx, vy] = game.place;
-    // only once it has passed: the distance grows again
-    if ((x - one.shape.x) * vx + (y - one.shape.y) * vy <= 0) continue;
-    missed = key;
-    const far = table.mm ? `${(off / table.mm).toPrecision(2)} mm` : off.toPrecision(2);
-    say(`Missed ${letter} by ${far}: here your future splits in two.`, true);
-  }
+  const { table, things, flight } = game;
+  const near = [...things.entries()].flatMap(([j, one]) => {
+    if (one.kind === "drain") return [];
+    const off = missedBy(game, j), close = off >= 0 && off < NEAR * (one.kind === "disc" ? one.shape.radius : table.rho);
+    return close ? [{ off, name: letters.get(j) ?? `the ${one.name.replaceAll("_", " ").replace(/\d+$/, "")}`, kick: kicks(one) || game.turns(one.name) }] : [];
+  });
+  // of several with one corner that which kicks: a touch of the others, if it is light, turns the ball by little
+  const [told] = near.sort((a, b) => Number(b.kick) - Number(a.kick) || a.off - b.off), key = `${flight.begin} ${told?.name}`;
+  if (!told || key === missed) return;
+  missed = key;
+  const far = table.mm ? `${(told.off / table.mm).toPrecision(2)} mm` : told.off.toPrecision(2);
+  say(`Missed ${told.name} by ${far}: ${told.kick ? "here your future splits in two" : "near balls touch it and part from yours"}.`, true);
 }
 
 function over() {
