@@ -244,3 +244,36 @@ def test_the_title_of_a_step_and_its_buttons_share_a_line_before_a_room(browser,
     top = "id => document.getElementById(id).getBoundingClientRect().top"
     assert abs(shown.page.evaluate(top, "guide-title") - shown.page.evaluate(top, "next")) < 20
     context.close()
+
+
+@pytest.mark.parametrize(("size", "least"), [((1920, 1080), 24), ((1280, 800), 24), ((390, 844), 18)])
+def test_the_table_before_a_room(browser, address, size, least):
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, has_touch=size[0] < 700)
+    shown = Shown(context.new_page())
+    shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.until("() => window.pinball && pinball.game()?.t > 0 && pinball.exits()?.shares")
+    shown.page.click("#present")
+    assert presenting(shown) and shown.page.evaluate(SMALLEST)[0] >= least
+    around = "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
+    assert shown.page.evaluate(around) == [size[1], size[0]]
+    box = shown.page.locator("#table").bounding_box()
+    assert box["height"] > 0.6 * size[1] and box["y"] + box["height"] <= size[1]
+    if least == 24:  # where a hand points is where the picture says
+        shown.page.mouse.click(*(x + 0.6 * s for x, s in corner(shown.page.locator("#exits").bounding_box())))
+        shown.until("() => pinball.exits().chosen")
+        (angle, speed), (x, y), (left, top) = shown.page.evaluate(
+            "() => { const e = pinball.exits(), a = e.axes, r = a.canvas.getBoundingClientRect(); return [e.chosen, "
+            "[a.zoom * a.x(e.chosen[0]), a.zoom * a.y(e.chosen[1])], [0.6 * r.width, 0.6 * r.height]]; }"
+        )
+        assert abs(x - left) < 1 and abs(y - top) < 1 and 0 < angle < 6.3 and speed > 0
+    if AXE.exists():
+        shown.page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = shown.page.evaluate("() => axe.run()")["violations"]
+        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+    shown.page.keyboard.press("f")
+    assert not presenting(shown) and shown.errors == []
+    context.close()
+
+
+def corner(box):
+    return (box["x"], box["width"]), (box["y"], box["height"])

@@ -9,6 +9,7 @@ import { Played } from "./played.js";
 import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
+import { stage } from "./stage.js";
 import { EXITS, TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
 import { addressOf } from "./where.js";
@@ -300,6 +301,12 @@ function draw() {
   spread();
 }
 
+/** A large number in words that are read at a glance. @param {number} factor */
+function said(factor) {
+  const power = Math.floor(Math.log10(factor)), digit = (/** @type {number} */ x) => Number(x.toPrecision(2)).toLocaleString("en");
+  return power < 6 ? digit(factor) : power < 9 ? `${digit(factor / 1e6)} million` : power < 12 ? `${digit(factor / 1e9)} billion` : `${digit(factor / 1e12)} trillion`;
+}
+
 /** The live curve of distances: on a logarithmic scale a straight line, as long as they are small. */
 function spread() {
   const c = curve.begin(), { accent, faint } = theme();
@@ -324,7 +331,7 @@ function spread() {
   });
   const ends = [logs[0], logs[logs.length - 1]], rate = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]);
   const factor = 10 ** (ends[1][1] - ends[0][1]);
-  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${factor.toPrecision(2)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "100 balls, turned by 1e-7 radians from one to the next.";
+  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${said(factor)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
 }
 
 async function start() {
@@ -446,8 +453,10 @@ function listen() {
       $("copied").textContent = text;
     }
   });
-  new ResizeObserver(() => (draw(), exits.draw())).observe(document.body);
-  dark.addEventListener("change", () => (draw(), exits.draw()));
+  const again = () => (draw(), exits.draw());
+  stage(again, "f");
+  new ResizeObserver(again).observe(document.body);
+  dark.addEventListener("change", again);
 }
 
 function release() {

@@ -1,6 +1,7 @@
 // @ts-check
 /** A table as it is seen: what stands on it, flippers where they are, the ball with its way behind it, its ghosts. */
 import { theme } from "./colours.js";
+import { enlarged } from "./plot.js";
 
 /** @typedef {import("./played.js").Played} Played */
 /** @typedef {import("./played.js").Thing} Thing */
@@ -116,7 +117,7 @@ export class TableDraw {
       c.stroke();
       const letter = letters.get(j);
       if (letter) {
-        const { x, y } = centre(one), size = one.kind === "disc" ? Math.min(28, Math.max(14, this.scale * one.shape.radius)) : 14;
+        const { x, y } = centre(one), least = 14 * enlarged(), size = one.kind === "disc" ? Math.min(2 * least, Math.max(least, this.scale * one.shape.radius)) : least;
         c.fillStyle = ink;
         c.font = `600 ${size}px system-ui, sans-serif`;
         c.textAlign = "center";
