@@ -153,6 +153,11 @@ export class GapView {
     this.cobweb.draw();
   }
 
+  /** What of theory lies under the diagram of a state. @param {Axes} axes @param {Pen} c @param {State} state */
+  backdrop(axes, c, { lam, l }) {
+    if (this.state.theory) drawWindows(axes, c, windows(this.machine, lam, l));
+  }
+
   repaint() {
     this.diagram.paint();
     if (this.state) this.cobweb.draw();

@@ -3,7 +3,7 @@
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
 import { dark } from "./colours.js";
-import { plainSymbol } from "./controls.js";
+import { plainSymbol, typeset } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
@@ -81,6 +81,7 @@ function change(given) {
   if ("vary" in next && !next.reach) Object.assign(next, { reach: wholeOf("reach", next.vary), window: null });
   if ("second" in next && !next.heights) next.heights = wholeOf("heights", next.second);
   if ("coordinate" in next) next.window = null;
+  follow(next);
   const named = /** @type {Record<string, string>} */ ({ reach: next.vary ?? state.vary, heights: next.second ?? state.second });
   for (const key of Object.values(ZOOMED).flat()) {
     if (key in next) next[key] = next[key] ? trimmed(allowed(fields[named[key]], next[key])) : part(home, key);
@@ -107,6 +108,13 @@ function change(given) {
     Object.assign(state, before);
     refresh();
   };
+}
+
+/** Where a parameter leaves its diagram, that goes along. @param {Record<string, any>} next */
+function follow(next) {
+  const [name, axis, other] = state.view === "gap" ? ["mu", "span", "range"] : [state.vary, "reach", "window"], value = next[name];
+  const [low, high] = part(state, axis), middle = (high - low) / 2;
+  if (typeof value === "number" && !(axis in next) && !(value >= low && value <= high) && !refusal(name, value, fields)) Object.assign(next, { [axis]: [value - middle, value + middle], [other]: null });
 }
 
 /** @param {Pair} ends @returns {Pair} */
@@ -160,7 +168,7 @@ function render() {
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
-  $("hint").textContent = HINTS[shown];
+  typeset($("hint"), HINTS[shown]);
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);

@@ -43,6 +43,10 @@ export class Pinned {
       zoomOut: () => answers()?.zoomOut?.(),
       chosen: () => answers()?.chosen?.() ?? NaN,
       on: () => beside()?.axes,
+      under: (axes, c) => {
+        const view = page.view();
+        if (view && "backdrop" in view) view.backdrop(axes, c, kept(page.state().pinned, page.fields));
+      },
       overlay: (axes, c) => this.#overlay(axes, c),
       problem: page.problem,
     });
