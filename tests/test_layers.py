@@ -78,8 +78,8 @@ NAME_NO_SYSTEM |= {
         "orbits": "adding_tree branch branch_search branch_table branch_windows corrector curves equations events "
                   "even_equations finder gap_boundaries gap_orbits locus manifold manifold_growth manifold_steps "
                   "map_equations one_sided orbit path periodic piece_end piece_equations point_equations "
-                  "search_map search_pieces search_steps search_windows special word",
-        "proof": "check expression gap gap_branch gap_chaos repeats search text",
+                  "search_map search_pieces search_steps search_windows special switching word",
+        "proof": "check expression gap gap_branch gap_chaos repeats same_model search text",
         "compare": "bifurcation_diagram edges orders search word_branches",
         "config": "build check command files problems settings values",
     }.items()

@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.derivative import plainly, stepping
 from grazing.maps.impact_of_system import impact_map_of_system
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator
@@ -93,34 +94,6 @@ def return_of(
     return tangent
 
 
-@lru_cache(maxsize=256)
-def return_tangent_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
-    """Return the step of the impact map with its Jacobian, for one reset law."""
-    derived = return_of(law, slope, contraction)
-
-    def tangent(state: Any, c: Any) -> Any:
-        new, letter, outcome, J = derived(state, c)
-        return new, letter, outcome, (J[0], J[1], J[2], J[3])
-
-    return tangent
-
-
-@lru_cache(maxsize=256)
-def return_step_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
-    """Return the step of the impact map for one reset law."""
-    tangent = return_of(law, slope, contraction)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = tangent(state, c)
-        return new, letter, outcome
-
-    return step
-
-
 class Struck(OfOscillator):
     """The origin of an impact map: the oscillator that it shows after each impact."""
 
@@ -190,14 +163,14 @@ def impact_map(model: Rig | System) -> Map:
     if isinstance(model, Walled):
         return walled_impact_map(model)
     model = checked_model(model)
-    law = model.reset
+    derived = return_of(model.reset.law, model.reset.slope, model.reset.contraction)
     return Map(
-        return_step_of(law.law, law.slope, law.contraction),
+        stepping(derived),
         params=model.params,
         coordinates=("tau", "v_plus"),
         box=impact_box(model.reach, model.paper),
         prepare=constants_of(model.harmonics),
-        tangent=return_tangent_of(law.law, law.slope, law.contraction),
+        tangent=plainly(derived),
         name="impact map",
         origin=Struck(model),
     )

@@ -32,6 +32,11 @@ class OfRig(Origin):
         """What finds periodic orbits: where the map shows the oscillator exactly, by the equations of its impacts."""
         return super().finder if self.section is None else "grazing.orbits.search_section:Sections"
 
+    @property
+    def equations(self) -> str:
+        """What makes the equations of an orbit: where the map shows the oscillator exactly, those of its impacts."""
+        return super().equations if self.section is None else "grazing.orbits.signature:of_section"
+
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or coordinate."""
         return self.rig.describe(name)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
 from grazing.maps.columns import Columns
-from grazing.maps.derivative import Derived
+from grazing.maps.derivative import Derived, deriving, stepping
 from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
@@ -149,30 +149,6 @@ def walled_of(first: Law, second: Law, with_tangent: bool) -> Callable[..., Any]
     return period
 
 
-@lru_cache(maxsize=256)
-def walled_tangent_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the map with its Jacobian and log|det J| behind it."""
-    period = walled_of(first, second, True)
-
-    def derived(state: Any, c: Any) -> Any:
-        new, letter, outcome, J, _near, _slow = period(state, c)
-        return new, letter, outcome, J
-
-    return derived
-
-
-@lru_cache(maxsize=256)
-def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the map."""
-    period = walled_of(first, second, False)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J, _near, _slow = period(state, c)
-        return new, letter, outcome
-
-    return step
-
-
 def no_table(t: Any, s: Any, x: Any, c: Frames, blocks: int) -> bool:
     """Fill no table: all is left to the scalar routine."""
     return False
@@ -216,8 +192,8 @@ class Strobed(OfRig):
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step with the laws by address: compiled once for all."""
         numbers, source = frames_rows(self.rig, np.ascontiguousarray(rows), arithmetic)
-        H = self.rig.harmonics
-        return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
+        H, tangent = self.rig.harmonics, deriving(walled_of(POINTED, POINTED, True))
+        return Derived(tangent, frames_of(H), frames_kind(H), numbers, source)
 
     def block(
         self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
@@ -278,13 +254,13 @@ def walled_map(model: Walled, phase: float) -> Map:
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
     params = {**model.params, "phase": phase}
     return Map(
-        walled_step_of(laws[0], laws[-1]),
+        stepping(walled_of(laws[0], laws[-1], False)),
         params=params,
         coordinates=("u", "v"),
         box=box_of(model, list(params.values())),
         letters=Hits(model.names) if len(model.walls) > 1 else None,
         prepare=partial(_plain, model),
-        tangent=walled_tangent_of(laws[0], laws[-1]),
+        tangent=deriving(walled_of(laws[0], laws[-1], True)),
         name="stroboscopic map",
         origin=Strobed(model),
     )

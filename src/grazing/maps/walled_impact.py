@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.derivative import Derived
+from grazing.maps.derivative import Derived, plainly, stepping
 from grazing.maps.hits import LATER, Struck
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfRig
@@ -98,30 +98,6 @@ def return_of(first: Law, second: Law) -> Callable[..., Any]:
     return tangent
 
 
-@lru_cache(maxsize=256)
-def return_tangent_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the impact map with its Jacobian."""
-    derived = return_of(first, second)
-
-    def tangent(state: Any, c: Any) -> Any:
-        new, letter, outcome, J = derived(state, c)
-        return new, letter, outcome, (J[0], J[1], J[2], J[3])
-
-    return tangent
-
-
-@lru_cache(maxsize=256)
-def return_step_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the impact map."""
-    derived = return_of(first, second)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = derived(state, c)
-        return new, letter, outcome
-
-    return step
-
-
 class Returned(OfRig):
     """The origin of an impact map of an oscillator between walls, or at one that moves or is above it."""
 
@@ -172,14 +148,15 @@ class Returned(OfRig):
 def walled_impact_map(model: Walled) -> Map:
     """Return the impact map of an oscillator between walls; :func:`grazing.impact_map` calls this."""
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
+    derived = return_of(laws[0], laws[-1])
     return Map(
-        return_step_of(laws[0], laws[-1]),
+        stepping(derived),
         params=model.params,
         coordinates=("tau", "v_plus"),
         box=box_of(model, list(model.params.values())),
         letters=Struck(model.names) if len(model.walls) > 1 else None,
         prepare=partial(_plain, model),
-        tangent=return_tangent_of(laws[0], laws[-1]),
+        tangent=plainly(derived),
         name="impact map",
         origin=Returned(model),
     )
