@@ -115,6 +115,21 @@ def test_acceleration_may_vanish_or_be_negative():
         assert four.delta > 0.0
 
 
+@pytest.mark.parametrize("order", ["lowest", "full", "corrected"])
+@pytest.mark.parametrize("unit", [1.0, 1e-3, 1e3, 7.0, 3.0])
+def test_the_steady_response_hits_where_it_goes_through_the_wall(unit, order):
+    """At the phase of its lowest point v is 0, and rounding, which is another one in each unit, gives it a sign."""
+    alpha, k, omega = 2.653650659113442, 1.1198641866969627, 2.260355380520523
+    size, lag = 1.0 / np.hypot(k**2 - omega**2, alpha * omega), np.arctan2(alpha * omega, k**2 - omega**2)
+    for depth in (1e-6, 0.005, 0.05):
+        forcing = gz.Forcing(omega=omega, offset=(1.0 - depth) * size * k**2 * unit, cos=(unit,))
+        m = gz.Oscillator(alpha=alpha, k=k, forcing=forcing, reset=gz.active(r=0.52, V=0.1 * unit))
+        Z = gz.discontinuity_map(m, order, phase=(np.pi + lag) / omega)
+        for v in (0.0, 1e-17 * unit, -1e-17 * unit):
+            assert Z((-depth * size * unit, v))[1] == 1
+        assert Z((-depth * size * unit, 1e-6 * unit))[1] == 0  # on the way up, as the paper has it
+
+
 @pytest.mark.parametrize("name", ["standard", "three harmonics", "own law", "critical"])
 def test_no_impact_is_the_flow(name):
     m = MODELS[name].replace(**({"d": 3.0} if "d" in MODELS[name].params else {"offset": 3.0}))

@@ -33,10 +33,12 @@ Ints = NDArray[np.int64]
 
 NAN = float("nan")
 ORDERS = ("lowest", "full", "corrected")
+#: A state behind the wall at the bottom of its flight has v = 0 but for rounding, of so much of its speed at the wall.
+BOTTOM = 2.0**-32
 
 
 def time_to_wall(y: float, v: float, A: float) -> tuple[float, float]:
-    """Return (delta, sqrt(x)): the smaller root of y + v delta + A delta^2/2 = 0 and x = v^2 - 2 A y >= 0, v < 0.
+    """Return (delta, sqrt(x)): the smaller root of y + v delta + A delta^2/2 = 0 and x = v^2 - 2 A y >= 0, v <= 0.
 
     The paper's delta = (-v - sqrt(x))/A, written so that A may vanish or be negative.
     """
@@ -54,7 +56,7 @@ def correction_of(law: Callable[..., float], slope: Callable[..., float], order:
         F, _dF = forcing(0.0, c)
         A = F - c.alpha * v - c.k2 * y
         x = v * v - 2.0 * A * y
-        if not (v < 0.0 and x >= 0.0):
+        if not (x >= 0.0 and (v < 0.0 or (y < 0.0 and v < BOTTOM * sqrt(x)))):
             return (y, v), 0, OK, (1.0, 0.0, 0.0, 1.0)
         border = AMBIGUOUS if x == 0.0 else OK
         delta, root = time_to_wall(y, v, A)
@@ -117,7 +119,8 @@ def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0
     Returns
     -------
     Map
-        State (u, v); letter 1 where v^2 - 2A(u - sigma) >= 0 and v < 0, with A the acceleration at the state, else 0.
+        State (u, v); letter 1 where v^2 - 2A(u - sigma) >= 0 and v < 0, with A the acceleration at the state, or where
+        it is at the bottom of a flight through the wall, v = 0 but for rounding; else 0.
 
     Notes
     -----
