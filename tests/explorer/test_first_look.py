@@ -32,7 +32,7 @@ def test_each_step_of_the_tour_has_its_parameter_in_the_diagram(shown, address):
     ],
 )
 def test_a_diagram_goes_along_with_its_parameter(shown, address, link, field, value, axis):
-    shown.open(f"{address}#version=1&{link}")
+    shown.open(f"{address}#version=2&{link}")
     low, high = shown.page.evaluate(f"() => explorer.state().{axis}")
     shown.page.fill(f"input[type=number][name={field}]", str(value))
     shown.page.keyboard.press("Enter")
@@ -53,14 +53,14 @@ def test_one_period_opens_on_a_hit(shown, address):
 
 
 def test_signs_are_set_below(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=40")
+    shown.open(f"{address}#version=2&view=gap&columns=40")
     assert [each.text_content() for each in shown.page.query_selector_all("#hint sub")] == ["PD", "BC"]
-    shown.open(f"{address}#version=1&view=gap&tour=8&answer=2&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.1&columns=40")
+    shown.open(f"{address}#version=2&view=gap&tour=8&answer=2&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.1&columns=40")
     assert "_" not in shown.page.inner_text("#told") and shown.page.locator("#told sub").count() == 2
 
 
 def test_the_answer_about_the_gap_shows_both(shown, address):
-    shown.open(f"{address}#version=1&view=gap&tour=8&lam=0.5&l=0&span=-0.05:0.35&mu=0.1&columns=40")
+    shown.open(f"{address}#version=2&view=gap&tour=8&lam=0.5&l=0&span=-0.05:0.35&mu=0.1&columns=40")
     shown.page.locator("#choices button").nth(1).click()
     shown.settle()
     shown.until("() => document.getElementById('pinned').getAttribute('aria-label').includes('pinned: l = 0,')")

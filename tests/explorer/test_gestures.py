@@ -76,7 +76,7 @@ def at(shown, axes, x, y):
 @pytest.mark.parametrize("scene", PICTURES)
 def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves(shown, address, scene):
     fragment, canvas, keys, axes = PICTURES[scene]
-    shown.open(f"{address}#version=1&{SMALL}&{fragment}")
+    shown.open(f"{address}#version=2&{SMALL}&{fragment}")
     before, picture = ends(shown, axes), shown.pixels(canvas)
     mouse = place(shown, canvas, 0.35, 0.4)  # beside the line of the parameter, which a drag would take
     held = at(shown, axes, *mouse)
@@ -106,7 +106,7 @@ def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves(shown, address, scen
 @pytest.mark.parametrize("scene", ["gap", "ball", "basins"])
 def test_fingers_that_part_zoom_in(phone, address, scene):
     fragment, canvas, _keys, axes = PICTURES[scene]
-    phone.open(f"{address}#version=1&{SMALL}&{fragment}")
+    phone.open(f"{address}#version=2&{SMALL}&{fragment}")
     x, y = place(phone, canvas, 0.55, 0.5)
     before, picture = ends(phone, axes), phone.pixels(canvas)
     scrolled = phone.page.evaluate("() => scrollY")
@@ -130,7 +130,7 @@ def test_fingers_that_part_zoom_in(phone, address, scene):
 
 def test_fingers_zoom_where_one_of_them_is_at_the_line(phone, address):
     fragment, canvas, _keys, axes = PICTURES["gap"]
-    phone.open(f"{address}#version=1&{SMALL}&{fragment}")
+    phone.open(f"{address}#version=2&{SMALL}&{fragment}")
     _x, y = place(phone, canvas, 0.5, 0.5)
     x = phone.page.evaluate(f"() => {axes}.canvas.getBoundingClientRect().left + {axes}.x(explorer.state().mu)")
     before, mu = ends(phone, axes), state(phone, "mu")
@@ -145,7 +145,7 @@ def test_fingers_zoom_where_one_of_them_is_at_the_line(phone, address):
 
 
 def test_one_finger_scrolls_the_page_and_a_tap_picks(phone, address):
-    phone.open(f"{address}#version=1&view=chart&chart_columns=20&chart_rows=20")
+    phone.open(f"{address}#version=2&view=chart&chart_columns=20&chart_rows=20")
     phone.page.set_viewport_size({"width": 390, "height": 570})  # a picture that does not stick
     x, y = place(phone, "chart", 0.6, 0.5)
     before = state(phone, "span"), phone.page.evaluate("() => scrollY")
@@ -163,7 +163,7 @@ def test_one_finger_scrolls_the_page_and_a_tap_picks(phone, address):
 @pytest.mark.parametrize("canvas", ["gap-diagram", "ball-diagram"])
 def test_a_finger_drags_the_line(phone, address, canvas):
     view, name = canvas.partition("-")[0], {"gap-diagram": "mu", "ball-diagram": "offset"}[canvas]
-    phone.open(f"{address}#version=1&view={view}&{SMALL}")
+    phone.open(f"{address}#version=2&view={view}&{SMALL}")
     axes = f"explorer.views.{view}.diagram.axes"
     _x, y = place(phone, canvas, 0.5, 0.5)
     x = phone.page.evaluate(f"() => {axes}.canvas.getBoundingClientRect().left + {axes}.x(explorer.state().{name})")
@@ -177,18 +177,18 @@ def test_a_finger_drags_the_line(phone, address, canvas):
 
 
 def test_a_double_click_shows_all_and_picks_nothing(shown, address):
-    shown.open(f"{address}#version=1&view=gap&{SMALL}&mu=0.2&span=0.1:0.4")
+    shown.open(f"{address}#version=2&view=gap&{SMALL}&mu=0.2&span=0.1:0.4")
     shown.page.mouse.dblclick(*place(shown, "gap-diagram", 0.8, 0.5))
     shown.until("() => explorer.state().span[0] === -0.1")
     assert state(shown, "mu") == 0.2
-    shown.open(f"{address}#version=1&view=chart&chart=basins&{SMALL}&positions=0.1:0.4")
+    shown.open(f"{address}#version=2&view=chart&chart=basins&{SMALL}&positions=0.1:0.4")
     shown.page.mouse.dblclick(*place(shown, "chart", 0.8, 0.5))
     shown.until("() => explorer.state().positions[0] === 0")
     assert state(shown, "ball") is None
 
 
 def test_two_taps_show_all_and_pick_nothing(phone, address):
-    phone.open(f"{address}#version=1&view=gap&{SMALL}&mu=0.2&span=0.1:0.4")
+    phone.open(f"{address}#version=2&view=gap&{SMALL}&mu=0.2&span=0.1:0.4")
     at_once = place(phone, "gap-diagram", 0.8, 0.4)
     for _ in range(2):
         touch(phone, "touchStart", at_once)
@@ -199,7 +199,7 @@ def test_two_taps_show_all_and_pick_nothing(phone, address):
 
 
 def test_a_click_moves_nothing(shown, address):
-    shown.open(f"{address}#version=1&view=gap&{SMALL}")
+    shown.open(f"{address}#version=2&view=gap&{SMALL}")
     x, y = place(shown, "gap-diagram", 0.7, 0.5)
     before = ends(shown, "explorer.views.gap.diagram.axes")
     drag(shown, (x, y), (x + 3, y + 2), steps=1)
@@ -224,7 +224,7 @@ def in_python(u, v, times):
 
 @pytest.mark.parametrize("canvas", ["phase", "strip"])
 def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
     quiet = shown.pixels(canvas)
     start, end = place(shown, canvas, 0.5, 0.4), place(shown, canvas, 0.5, 0.6)
     shown.page.mouse.move(*start)
@@ -253,7 +253,7 @@ def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
 
 @pytest.mark.parametrize("canvas", ["phase", "strip"])
 def test_keys_aim_and_throw(shown, address, canvas):
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
     shown.page.focus(f"#{canvas}")
     shown.page.keyboard.press("ArrowUp")
     first = preview(shown)
@@ -271,7 +271,7 @@ def test_keys_aim_and_throw(shown, address, canvas):
 
 
 def test_a_finger_takes_the_ball_and_scrolls_elsewhere(phone, address):
-    phone.open(f"{address}#version=1&view=ball&columns=20&offset=0.12&V=0.4")
+    phone.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
     phone.page.click("#play")  # it stands still
     box = phone.page.locator("#strip").bounding_box()
     x, y = phone.page.evaluate("() => explorer.views.ball.strip.ball")
@@ -303,7 +303,7 @@ def follow(lam, mu, l, x, steps):
 
 
 def test_a_cobweb_is_stepped_from_a_start_that_is_dragged(shown, address):
-    shown.open(f"{address}#version=1&view=gap&{SMALL}&lam=0.8&l=1&mu=0.5")
+    shown.open(f"{address}#version=2&view=gap&{SMALL}&lam=0.8&l=1&mu=0.5")
     canvas = shown.page.evaluate("() => { const { box } = explorer.views.gap.cobweb.axes; return [box.w, box.h]; }")
     assert canvas[0] == canvas[1]  # slopes are seen as they are
     picture = shown.pixels("cobweb")
@@ -332,7 +332,7 @@ def test_a_cobweb_is_stepped_from_a_start_that_is_dragged(shown, address):
 
 
 def test_a_finger_drags_the_start_of_the_cobweb(phone, address):
-    phone.open(f"{address}#version=1&view=gap&{SMALL}&lam=0.8&l=1&mu=0.5&web=3")
+    phone.open(f"{address}#version=2&view=gap&{SMALL}&lam=0.8&l=1&mu=0.5&web=3")
     axes = "explorer.views.gap.cobweb.axes"
     phone.page.locator("#cobweb").scroll_into_view_if_needed()
     x, y = phone.page.evaluate(
@@ -354,7 +354,7 @@ def slider(shown, name):
 
 
 def test_fine_steps_by_key_and_by_dragging_up(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     knob = slider(shown, "offset")
     step = float(knob.get_attribute("step"))
     knob.focus()
@@ -362,7 +362,7 @@ def test_fine_steps_by_key_and_by_dragging_up(shown, address):
     shown.until(f"() => Math.abs(explorer.state().offset - {0.12 + 10 * step}) < 1e-9")
     shown.page.keyboard.press("Shift+ArrowRight")
     shown.until(f"() => Math.abs(explorer.state().offset - {0.12 + 11 * step}) < 1e-9")
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     knob.scroll_into_view_if_needed()
     box = knob.bounding_box()
     share = (0.12 - 0.05) / (0.16 - 0.05)
@@ -382,7 +382,7 @@ def test_fine_steps_by_key_and_by_dragging_up(shown, address):
 
 
 def test_a_finger_moves_a_slider_and_goes_on_in_fine_steps(phone, address):
-    phone.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
+    phone.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     knob = slider(phone, "offset")
     knob.scroll_into_view_if_needed()
     box, step = knob.bounding_box(), float(knob.get_attribute("step"))

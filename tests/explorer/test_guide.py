@@ -109,7 +109,7 @@ def test_a_single_step_next_to_the_graze_is_as_steep_as_one_likes(tour):
 
 
 def test_every_question_is_answered_by_a_picture(shown, address, tour):
-    shown.open(f"{address}#version=1&view=ball&offset=0.13&columns=20&bins=20")
+    shown.open(f"{address}#version=2&view=ball&offset=0.13&columns=20&bins=20")
     shown.page.click("#tour")
     for n, step in enumerate(tour, 1):
         shown.until(f"() => explorer.state().tour === {n}")
@@ -135,7 +135,7 @@ def test_every_question_is_answered_by_a_picture(shown, address, tour):
 
 
 def test_an_answer_is_part_of_a_link_and_back_takes_it_back(shown, address):
-    shown.open(f"{address}#version=1&view=gap&tour=8&columns=8&bins=8&lam=0.5")
+    shown.open(f"{address}#version=2&view=gap&tour=8&columns=8&bins=8&lam=0.5")
     shown.page.click("#choices button")
     shown.until("() => location.hash.includes('answer=1')")
     assert shown.page.inner_text("#choices .wrong").startswith("✗ ")
@@ -154,13 +154,13 @@ def test_an_answer_is_part_of_a_link_and_back_takes_it_back(shown, address):
     ],
 )
 def test_an_answer_to_nothing_is_explained(shown, address, fragment, said):
-    shown.open(f"{address}#version=1&columns=8&bins=8&{fragment}")
+    shown.open(f"{address}#version=2&columns=8&bins=8&{fragment}")
     assert said in shown.problem()
 
 
 def test_a_note_travels_with_the_link_as_plain_text(shown, address):
     note = '<img src=x onerror="explorer.hurt = 1"> & μ = 0.3; look: 100 %'
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8&note={quote(note)}")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8&note={quote(note)}")
     assert shown.page.inner_text("#note") == note and shown.page.query_selector("#note *") is None
     assert shown.page.evaluate("() => explorer.hurt") is None
     shown.page.fill("#write", "Compare ε & δ = 5 %")

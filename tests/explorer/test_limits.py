@@ -22,14 +22,14 @@ def texts(page, ticks):
 
 
 def test_an_axis_too_narrow_for_double_precision_is_refused(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=20&bins=20&span=0.3:0.30000000000000004")
+    shown.open(f"{address}#version=2&view=gap&columns=20&bins=20&span=0.3:0.30000000000000004")
     assert "span=0.3:0.30000000000000004 is too narrow for double precision" in shown.problem()
     assert state(shown, "span") == [-0.1, 0.6]
 
 
 @pytest.mark.parametrize("mu", [5000, 0])
 def test_zooming_in_ends_where_double_precision_does(shown, address, mu):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8&mu={mu}&span={mu - 1}:{mu + 1}")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8&mu={mu}&span={mu - 1}:{mu + 1}")
     shown.page.focus("#gap-diagram")
     for _ in range(50):
         shown.page.keyboard.press("+")
@@ -43,7 +43,7 @@ def test_zooming_in_ends_where_double_precision_does(shown, address, mu):
 
 
 def test_the_numbers_of_an_axis_are_short_and_different(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8")
     assert texts(shown, (0.1, 0.5, 4)) == [["0.1", "0.2", "0.3", "0.4", "0.5"], 0, 0]
     assert texts(shown, (0.14, 0.14001, 5)) == [["0", "2", "4", "6", "8", "10"], 0.14, 6]
     assert texts(shown, (0.3, 0.30001, 3))[1:] == [0.3, 5]  # and not 0.29999
@@ -62,7 +62,7 @@ def test_the_numbers_of_an_axis_are_short_and_different(shown, address):
 
 
 def test_the_table_of_opacities_is_bounded(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8")
     found = shown.page.evaluate(
         "async () => { const { tonesOf } = await import('./diagram.js'); return [[2, 1e8], [600, 8000]].map("
         "([bins, total]) => { const { tones, scale } = tonesOf(bins, total); return [[...tones], scale]; }); }"
@@ -80,12 +80,12 @@ def test_the_table_of_opacities_is_bounded(shown, address):
     ],
 )
 def test_a_view_that_is_left_gives_the_workers_back(shown, address, heavy, least):
-    shown.page.goto(f"{address}#version=1&{heavy}")
+    shown.page.goto(f"{address}#version=2&{heavy}")
     shown.until("() => globalThis.explorer?.views.gap && document.querySelector('canvas[data-stage]')")
     time.sleep(1)
     begun = time.monotonic()
     shown.page.evaluate(
-        "location.hash = 'version=1&view=oscillator&columns=40&bins=40&flow_starts=2&flow_keep=20&reduced=no'"
+        "location.hash = 'version=2&view=oscillator&columns=40&bins=40&flow_starts=2&flow_keep=20&reduced=no'"
     )
     shown.until("() => ['coarse', 'full', 'done'].includes(explorer.views.oscillator.diagram.stage)")
     assert time.monotonic() - begun < 3
@@ -110,7 +110,7 @@ def test_a_view_that_is_left_gives_the_workers_back(shown, address, heavy, least
 )
 def test_a_link_whose_parts_disagree_is_explained(shown, address, fragment, said, reach):
     view = "" if "view" in fragment else "&view=oscillator"
-    shown.open(f"{address}#version=1{view}&columns=8&bins=8&{fragment}")
+    shown.open(f"{address}#version=2{view}&columns=8&bins=8&{fragment}")
     assert said in shown.problem() and state(shown, "reach") == reach
     shown.page.click("#problem button")
     shown.until("() => document.getElementById('problem').hidden")
@@ -118,7 +118,7 @@ def test_a_link_whose_parts_disagree_is_explained(shown, address, fragment, said
 
 
 def test_zooming_out_stays_where_the_parameter_is(shown, address):
-    link = f"{address}#version=1&view=oscillator&columns=8&bins=8&reduced=no&vary=r&reach=0:1&r=0.8"
+    link = f"{address}#version=2&view=oscillator&columns=8&bins=8&reduced=no&vary=r&reach=0:1&r=0.8"
     shown.open(link)
     shown.page.focus("#flow-diagram")
     for _ in range(3):
@@ -137,7 +137,7 @@ def test_zooming_out_stays_where_the_parameter_is(shown, address):
 
 
 def test_an_interval_is_cut_to_what_a_parameter_may_be(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8")
     cut = shown.page.evaluate(
         "async () => { const { allowed } = await import('./state.js'); const r = {low: 0, high: 1}, w = {low: 0,"
         " open_low: true}; return [allowed(r, [-1, 2]), allowed(r, [2, 3]), allowed(r, [-3, -2]), allowed(w, [-1, 1]),"
@@ -148,21 +148,21 @@ def test_an_interval_is_cut_to_what_a_parameter_may_be(shown, address):
 
 def test_a_link_of_any_length_is_read_at_once(shown, address):
     """700,000 parts that cannot be read took a quarter of a minute, and were shown, each of them."""
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8")
     said = shown.page.evaluate(
         "async () => { const { fromFragment } = await import('./state.js');"
-        " const links = ['%&'.repeat(7e5), 'version=1&lam=' + '9'.repeat(2e6), 'version=1&' + 'a%&b=1&'.repeat(900)];"
+        " const links = ['%&'.repeat(7e5), 'version=2&lam=' + '9'.repeat(2e6), 'version=2&' + 'a%&b=1&'.repeat(900)];"
         " return links.map(link => fromFragment(link, {}).problems.join('; ')); }"
     )
     assert said[:2] == ["it has 1400000 characters, of 10000 at most", "it has 2000014 characters, of 10000 at most"]
     assert said[2].endswith("; 893 more") and len(said[2]) < 300
-    shown.page.evaluate(f"location.hash = 'version=1&view=gap&columns=8&bins=8&lam={'9' * 20_000}'")
+    shown.page.evaluate(f"location.hash = 'version=2&view=gap&columns=8&bins=8&lam={'9' * 20_000}'")
     shown.until("() => !document.getElementById('problem').hidden")
     assert shown.problem().startswith("Parts of the link could not be used: it has 20") and state(shown, "lam") == 0.8
 
 
 def test_the_law_takes_its_parameters_with_it(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=8&bins=8&reduced=no&vary=V&reach=0.1:0.5")
+    shown.open(f"{address}#version=2&view=oscillator&columns=8&bins=8&reduced=no&vary=V&reach=0.1:0.5")
     law = shown.page.locator("label:has-text('bumper') + select")
     law.select_option("newton")
     shown.settle()
@@ -182,9 +182,9 @@ def test_the_law_takes_its_parameters_with_it(shown, address):
 
 def test_a_link_that_comes_while_the_address_is_written_is_followed(shown, address):
     """The page writes its state to the address some time after a picture: also between a new link and its event."""
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8")
     shown.page.evaluate(
-        "() => { const old = location.hash; location.hash = 'version=1&view=chart&chart_columns=4&chart_rows=4';"
+        "() => { const old = location.hash; location.hash = 'version=2&view=chart&chart_columns=4&chart_rows=4';"
         " history.replaceState(null, '', old); }"
     )
     shown.until("() => explorer.state().view === 'chart'")
@@ -192,8 +192,8 @@ def test_a_link_that_comes_while_the_address_is_written_is_followed(shown, addre
 
 
 def test_a_new_axis_is_seen_whole(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8")
-    shown.page.evaluate("location.hash = 'version=1&view=chart&chart_columns=4&chart_rows=4'")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8")
+    shown.page.evaluate("location.hash = 'version=2&view=chart&chart_columns=4&chart_rows=4'")
     shown.until("() => explorer.state().view === 'chart'")
     shown.page.select_option("label:has-text('chart of') + select", "oscillator")
     shown.until("() => explorer.state().chart === 'oscillator'")
@@ -204,13 +204,13 @@ def test_a_new_axis_is_seen_whole(shown, address):
 
 
 def test_names_that_every_object_has_are_no_part_of_a_link(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8&constructor=2&toString=3&__proto__=1")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8&constructor=2&toString=3&__proto__=1")
     said = "constructor is no part of a link; toString is no part of a link; __proto__ is no part of a link"
     assert said in shown.problem()
 
 
 def test_numbers_beyond_double_precision_and_on_the_way_to_them(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=8&bins=8&lam=1e309")
+    shown.open(f"{address}#version=2&view=gap&columns=8&bins=8&lam=1e309")
     assert "lam is too large; numbers of double precision end at ±1.8e308" in shown.problem()
     shown.page.click("#problem button")
     field = shown.page.locator("input[type=number][name=lam]")
@@ -225,9 +225,9 @@ def test_numbers_beyond_double_precision_and_on_the_way_to_them(shown, address):
 
 
 def test_what_cannot_be_shown_leaves_no_words_and_nothing_to_copy(shown, address):
-    shown.open(f"{address}#version=1&view=edges&lam=0.5")
+    shown.open(f"{address}#version=2&view=edges&lam=0.5")
     assert shown.page.inner_text("#summary")
-    shown.page.evaluate("location.hash = 'version=1&view=edges&lam=1'")
+    shown.page.evaluate("location.hash = 'version=2&view=edges&lam=1'")
     shown.until("() => explorer.state().lam === 1")
     assert "could not be made" in shown.problem() and shown.page.inner_text("#summary") == ""
     pixels = (
@@ -241,7 +241,7 @@ def test_what_cannot_be_shown_leaves_no_words_and_nothing_to_copy(shown, address
 
 
 def test_fields_that_are_seen_have_names_of_their_own(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=8&bins=8&vary=V&reach=0.1:0.5")
+    shown.open(f"{address}#version=2&view=oscillator&columns=8&bins=8&vary=V&reach=0.1:0.5")
     shown.page.evaluate("document.querySelectorAll('details').forEach(each => each.open = true)")
     names = (
         "() => [...document.querySelectorAll('#picture input[type=number]')].filter(e => e.offsetParent)"
@@ -255,7 +255,7 @@ def test_fields_that_are_seen_have_names_of_their_own(shown, address):
 
 
 def test_the_tour_keeps_the_focus_and_ends_with_its_view(shown, address):
-    shown.open(f"{address}#version=1&view=ball&tour=10")
+    shown.open(f"{address}#version=2&view=ball&tour=10")
     shown.page.focus("#next")
     shown.page.keyboard.press("Enter")
     shown.until("() => explorer.state().tour === 11 && document.activeElement.id === 'back'")
@@ -270,7 +270,7 @@ def test_the_tour_keeps_the_focus_and_ends_with_its_view(shown, address):
 
 
 def test_the_tour_says_the_graze_that_is_shown(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=8&bins=8&reduced=no")
+    shown.open(f"{address}#version=2&view=oscillator&columns=8&bins=8&reduced=no")
     graze = shown.page.evaluate("() => explorer.views.oscillator.form.graze.toPrecision(10)")
     told = shown.page.evaluate("async () => (await import('./tour.js')).TOUR[1].text")
     assert f"d = k²a = {graze}" in told

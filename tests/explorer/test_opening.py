@@ -64,21 +64,21 @@ def test_the_page_opens_on_the_ball(shown, address):
     ],
 )
 def test_what_it_does_is_said_in_words_of_a_visitor(shown, address, given, words):
-    shown.open(f"{address}#version=1&view=ball&columns=20&{given}")
+    shown.open(f"{address}#version=2&view=ball&columns=20&{given}")
     assert words in shown.page.inner_text(".lead")
     if "V=0&" in f"{given}&":
         assert "above a wall" in shown.page.inner_text("#headline")
 
 
 def test_chatter_is_one_letter_and_without_end(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=20&sigma=-0.3&V=0&r=0.3&offset=-0.5")
+    shown.open(f"{address}#version=2&view=ball&columns=20&sigma=-0.3&V=0&r=0.3&offset=-0.5")
     faster(shown)
     shown.until(f"() => {BALL}.now > 20 * {BALL}.T")
     assert set(letters(shown)) == {"C"}
 
 
 def test_the_ball_passes_the_section_where_the_map_says(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=20&ball=0.2:0.1:0&alpha=1")
+    shown.open(f"{address}#version=2&view=ball&columns=20&ball=0.2:0.1:0&alpha=1")
     faster(shown)
     shown.until(f"() => {BALL}.visited.length >= 12")
     seen = ball(shown, "visited.slice(0, 12).map(([, u]) => u)")
@@ -91,7 +91,7 @@ def test_the_ball_passes_the_section_where_the_map_says(shown, address):
 
 
 def test_the_ball_lives_through_the_slider_and_its_word_changes(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     faster(shown)
     shown.until(f"() => {BALL}.now > 9 * {BALL}.T")
     turn(shown, 0.126)
@@ -107,7 +107,7 @@ def test_hysteresis(shown, address):
     """At d = 0.1225 two orbits live: from below the ball stays on the one, from above on the other."""
     found = {}
     for begin in (0.12, 0.126):
-        shown.open(f"{address}#version=1&view=ball&columns=20&offset={begin}")
+        shown.open(f"{address}#version=2&view=ball&columns=20&offset={begin}")
         faster(shown)
         turn(shown, 0.1225)
         shown.until(f"() => {BALL}.lived && {BALL}.now > 60 * {BALL}.T")
@@ -118,7 +118,7 @@ def test_hysteresis(shown, address):
 
 
 def test_a_preset_and_a_link_begin_anew(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     turn(shown, 0.13)
     assert ball(shown, "lived")
     shown.page.select_option("#preset", "1.5")
@@ -126,7 +126,7 @@ def test_a_preset_and_a_link_begin_anew(shown, address):
 
 
 def test_the_slider_spans_the_diagram_in_its_colours(shown, address):
-    shown.open(f"{address}#version=1&view=ball&reach=0.118:0.128")
+    shown.open(f"{address}#version=2&view=ball&reach=0.118:0.128")
     slider = "document.querySelector('input[name=offset]').closest('.control').querySelector('input[type=range]')"
     low, high, step = shown.page.evaluate(f"() => ['min', 'max', 'step'].map(k => Number({slider}[k]))")
     assert (low, high) == (0.118, 0.128) and step <= 1e-4
@@ -148,7 +148,7 @@ def test_the_slider_spans_the_diagram_in_its_colours(shown, address):
 
 @pytest.mark.parametrize(("view", "canvas", "name"), [("ball", "ball-diagram", "offset"), ("gap", "gap-diagram", "mu")])
 def test_the_line_of_the_parameter_is_dragged(shown, address, view, canvas, name):
-    shown.open(f"{address}#version=1&view={view}&columns=100")
+    shown.open(f"{address}#version=2&view={view}&columns=100")
     shown.page.locator(f"#{canvas}").scroll_into_view_if_needed()
     diagram = f"explorer.views.{view}.diagram"
     x = shown.page.evaluate(f"() => {diagram}.axes.x(explorer.state().{name})")
@@ -166,7 +166,7 @@ def test_the_line_of_the_parameter_is_dragged(shown, address, view, canvas, name
 
 
 def test_impacts_sound_when_asked_for(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=20&offset=0.12")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     shown.page.click("#step")
     assert ball(shown, "sound.played") == []
     shown.page.click("#sound")
@@ -184,7 +184,7 @@ def test_without_sound_the_page_says_so(browser, address):
     context = browser.new_context()
     context.add_init_script("delete globalThis.AudioContext;")
     page = Shown(context.new_page())
-    page.open(f"{address}#version=1&view=ball")
+    page.open(f"{address}#version=2&view=ball")
     page.page.click("#sound")
     assert "no sound" in page.problem() and page.page.get_attribute("#sound", "aria-pressed") == "false"
     context.close()

@@ -91,8 +91,8 @@ def test_choices_are_those_of_the_kernels():
 @pytest.mark.parametrize(
     "fragment",
     [
-        "version=1&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&columns=90&bins=200&starts=7&transient=90&keep=130&seed=3",
-        "version=1&view=gap&lam=0.9&l=0.8&span=0.002:0.06&range=-0.9:0.1&columns=70&bins=333&keep=200",
+        "version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&columns=90&bins=200&starts=7&transient=90&keep=130&seed=3",
+        "version=2&view=gap&lam=0.9&l=0.8&span=0.002:0.06&range=-0.9:0.1&columns=70&bins=333&keep=200",
     ],
 )
 def test_the_raster_of_the_gap_map_is_that_of_python(shown, address, fragment):
@@ -111,10 +111,10 @@ def test_the_raster_of_the_gap_map_is_that_of_python(shown, address, fragment):
 @pytest.mark.parametrize(
     "fragment",
     [
-        "version=1&view=oscillator&columns=40&bins=150&seed=4",
-        "version=1&view=oscillator&law=newton&alpha=0.4&sin1=0.2&cos2=0.3&sigma=0.1&vary=omega&reach=1.8:2.6&phase=0.3"
+        "version=2&view=oscillator&columns=40&bins=150&seed=4",
+        "version=2&view=oscillator&law=newton&alpha=0.4&sin1=0.2&cos2=0.3&sigma=0.1&vary=omega&reach=1.8:2.6&phase=0.3"
         "&coordinate=v&columns=24&bins=120",
-        "version=1&view=oscillator&law=triggered&alpha=0.5&trigger=0.2&vary=V&reach=0.1:0.9&columns=20&bins=80",
+        "version=2&view=oscillator&law=triggered&alpha=0.5&trigger=0.2&vary=V&reach=0.1:0.9&columns=20&bins=80",
     ],
 )
 def test_the_raster_of_the_oscillator_is_that_of_python(shown, address, fragment):
@@ -142,7 +142,7 @@ def test_the_command_makes_the_same_raster(shown, address, view, tmp_path):
 
     from grazing.cli.app import main
 
-    shown.open(f"{address}#version=1&view={view}")
+    shown.open(f"{address}#version=2&view={view}")
     _told, counts = shown.raster(view.partition("&")[0])
     words = split(shown.page.evaluate("() => explorer.texts().command"))
     words[words.index("density.png")] = str(tmp_path / "density.nc")
@@ -152,14 +152,14 @@ def test_the_command_makes_the_same_raster(shown, address, view, tmp_path):
 
 def test_no_request_leaves_the_host(shown, address):
     for view in ("gap", "oscillator", "ball", "chart"):
-        shown.open(f"{address}#version=1&view={view}&columns=20&chart_columns=20")
+        shown.open(f"{address}#version=2&view={view}&columns=20&chart_columns=20")
         shown.page.reload()
         shown.settle()
     assert shown.asked and all(url.startswith((address.removesuffix("page/"), "data:")) for url in shown.asked)
 
 
 def test_a_slider_changes_picture_link_and_words(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=200")
+    shown.open(f"{address}#version=2&view=gap&columns=200")
     before = shown.pixels("gap-diagram"), shown.page.inner_text("#summary"), shown.link()
     shown.page.locator("#gap-sliders input[type=range]").nth(1).focus()
     for _ in range(40):
@@ -171,7 +171,7 @@ def test_a_slider_changes_picture_link_and_words(shown, address):
 
 
 def test_a_click_picks_and_a_box_zooms(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=300&bins=200")
+    shown.open(f"{address}#version=2&view=gap&columns=300&bins=200")
     box = shown.page.locator("#gap-diagram").bounding_box()
     middle = box["y"] + box["height"] / 2
     shown.page.mouse.click(box["x"] + 0.3 * box["width"], middle)
@@ -193,7 +193,7 @@ def test_a_click_picks_and_a_box_zooms(shown, address):
 
 
 def test_keys_move_and_zoom(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=100&mu=0.2")
+    shown.open(f"{address}#version=2&view=gap&columns=100&mu=0.2")
     shown.page.focus("#gap-diagram")
     shown.page.keyboard.press("ArrowRight")
     shown.until("() => explorer.state().mu > 0.2")
@@ -204,7 +204,7 @@ def test_keys_move_and_zoom(shown, address):
 
 
 def test_a_link_round_trip(shown, address):
-    fragment = "version=1&view=oscillator&alpha=2.5&V=0.3&vary=V&reach=0.1:0.5&columns=60&bins=90&theory=no"
+    fragment = "version=2&view=oscillator&alpha=2.5&V=0.3&vary=V&reach=0.1:0.5&columns=60&bins=90&theory=no"
     shown.open(f"{address}#{fragment}")
     state, counts = shown.page.evaluate("() => explorer.state()"), shown.raster("oscillator")[1]
     link = shown.page.evaluate("() => location.href")
@@ -219,15 +219,15 @@ def test_a_link_round_trip(shown, address):
 @pytest.mark.parametrize(
     ("fragment", "said"),
     [
-        ("version=1&view=nowhere&columns=20", "view=nowhere; allowed are ball, oscillator, gap, edges, chart, strobe"),
-        ("version=7&view=gap", "the link has version 7; this page reads version 1"),
+        ("version=2&view=nowhere&columns=20", "view=nowhere; allowed are ball, oscillator, gap, edges, chart, strobe"),
+        ("version=7&view=gap", "the link has version 7; this page reads version 2"),
         ("view=gap&lam=0.5", "the link does not say its version"),
-        ("version=1&view=gap&lam=much&columns=20", "lam=much is not a number"),
-        ("version=1&view=oscillator&r=1.5&columns=20", "r = 1.5; allowed is r ≥ 0 and r ≤ 1"),
-        ("version=1&view=oscillator&omega=0&columns=20", "omega = 0; allowed is omega > 0"),
-        ("version=1&view=gap&columns=1e9", "columns=1e9; allowed is a whole number from 2 to 4000"),
-        ("version=1&view=gap&span=0.5:0.1&columns=20", "span=0.5:0.1; give low:high with low < high"),
-        ("version=1&%E0%A4%A&&=&colour=perhaps&columns=20", "colour=perhaps; allowed are yes, no"),
+        ("version=2&view=gap&lam=much&columns=20", "lam=much is not a number"),
+        ("version=2&view=oscillator&r=1.5&columns=20", "r = 1.5; allowed is r ≥ 0 and r ≤ 1"),
+        ("version=2&view=oscillator&omega=0&columns=20", "omega = 0; allowed is omega > 0"),
+        ("version=2&view=gap&columns=1e9", "columns=1e9; allowed is a whole number from 2 to 4000"),
+        ("version=2&view=gap&span=0.5:0.1&columns=20", "span=0.5:0.1; give low:high with low < high"),
+        ("version=2&%E0%A4%A&&=&colour=perhaps&columns=20", "colour=perhaps; allowed are yes, no"),
     ],
 )
 def test_a_mangled_link_is_explained_and_a_picture_shown(shown, address, fragment, said):
@@ -237,7 +237,7 @@ def test_a_mangled_link_is_explained_and_a_picture_shown(shown, address, fragmen
 
 
 def test_a_number_out_of_range_is_explained_and_the_picture_stays(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=20")
+    shown.open(f"{address}#version=2&view=oscillator&columns=20")
     before = shown.page.evaluate("() => location.href")
     shown.page.fill("input[type=number][name=r]", "1.5")
     shown.until("() => !document.getElementById('problem').hidden")
@@ -250,7 +250,7 @@ def test_a_number_out_of_range_is_explained_and_the_picture_stays(shown, address
 
 def test_a_module_that_fails_to_load_is_named_and_the_rest_works(shown, address):
     shown.page.route("**/oscillator.wasm", lambda route: route.abort())
-    shown.open(f"{address}#version=1&view=gap&columns=50")
+    shown.open(f"{address}#version=2&view=gap&columns=50")
     assert "oscillator.wasm could not be loaded" in shown.problem()
     assert "period-3 orbit, word LLR" in shown.page.inner_text("#summary")
     shown.page.click("[data-view=ball]")
@@ -267,15 +267,15 @@ def test_without_kernels_the_page_says_what_to_do(shown, address):
 
 
 def test_words_of_what_is_shown(shown, address):
-    shown.open(f"{address}#version=1&view=gap&lam=0.8&l=1&mu=0.5&columns=20")
+    shown.open(f"{address}#version=2&view=gap&lam=0.8&l=1&mu=0.5&columns=20")
     said = shown.page.inner_text("#summary")
     assert "period-3 orbit, word LLR, multiplier −0.632317" in said and "−1.006075" in said
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&columns=20")
+    shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4&columns=20")
     assert "period-3 orbit, one impact, word 001" in shown.page.inner_text("#summary")
 
 
 def test_the_normal_form_of_the_oscillator(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=30&bins=60")
+    shown.open(f"{address}#version=2&view=oscillator&columns=30&bins=60")
     nf = gz.normal_form(gz.pinball(), "d")
     found = shown.page.evaluate("() => { const f = explorer.views.oscillator.form; return [f.graze, f.lam, f.l]; }")
     assert found == [nf.graze, nf.lam, nf.l]
@@ -288,7 +288,7 @@ def test_the_normal_form_of_the_oscillator(shown, address):
 
 @pytest.mark.parametrize("motion", ["no-preference"])
 def test_the_ball_moves_pauses_and_steps_from_impact_to_impact(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&columns=20")
+    shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4&columns=20")
     ball = "explorer.views.ball"
     shown.until(f"() => {ball}.now > 1")
     shown.page.click("#play")
@@ -319,7 +319,7 @@ def test_figures_by_their_numbers(shown, address):
 
 
 def test_every_field_has_a_name(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=20")
+    shown.open(f"{address}#version=2&view=oscillator&columns=20")
     nameless = shown.page.evaluate(
         "() => [...document.querySelectorAll('input, select, canvas, button')]"
         ".filter(e => !(e.getAttribute('aria-label') || (e.labels && e.labels.length) || e.textContent.trim()))"
@@ -333,7 +333,7 @@ def test_a_phone_shows_all_of_its_width(browser, address, scheme):
     context = browser.new_context(viewport={"width": 375, "height": 700}, color_scheme=scheme)
     page = Shown(context.new_page())
     for view in ("gap", "edges", "oscillator", "ball", "chart", "strobe"):
-        page.open(f"{address}#version=1&view={view}&columns=30&chart_columns=30")
+        page.open(f"{address}#version=2&view={view}&columns=30&chart_columns=30")
         page.page.reload()
         page.settle()
         assert page.page.evaluate("() => document.documentElement.scrollWidth") <= 375
@@ -342,7 +342,7 @@ def test_a_phone_shows_all_of_its_width(browser, address, scheme):
 
 
 def test_copy_buttons_give_what_is_on_screen(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=20&lam=0.7")
+    shown.open(f"{address}#version=2&view=gap&columns=20&lam=0.7")
     texts = {**shown.page.evaluate("() => explorer.texts()"), "link": shown.link()}
     for kind, text in texts.items():
         shown.page.click(f"[data-copy={kind}]")
@@ -355,7 +355,7 @@ def test_copy_buttons_give_what_is_on_screen(shown, address):
 def test_a_picture_is_saved(shown, address, tmp_path):
     from PIL import Image
 
-    shown.open(f"{address}#version=1&view=gap&columns=200")
+    shown.open(f"{address}#version=2&view=gap&columns=200")
     with shown.page.expect_download() as download:
         shown.page.click("[data-save=png]")
     download.value.save_as(tmp_path / "seen.png")
@@ -365,7 +365,7 @@ def test_a_picture_is_saved(shown, address, tmp_path):
 
 
 def test_the_program_of_the_ball_flies_the_same_orbit(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&columns=20")
+    shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4&columns=20")
     known = {}
     exec(shown.page.evaluate("() => explorer.texts().python").replace("gz.plot.save", "(lambda *_: None)"), known)
     hits = shown.page.evaluate("() => explorer.views.ball.attractor.hits.map(h => [h.before, h.after])")
@@ -396,7 +396,7 @@ def test_axe_reports_no_violation(browser, address, view, scheme):
     script = AXE.read_text(encoding="utf-8")
     context = browser.new_context(color_scheme=scheme)
     page = Shown(context.new_page())
-    page.open(f"{address}#version=1&view={view}")
+    page.open(f"{address}#version=2&view={view}")
     page.page.evaluate(script)
     found = page.page.evaluate("() => axe.run()")["violations"]
     context.close()
@@ -406,9 +406,9 @@ def test_axe_reports_no_violation(browser, address, view, scheme):
 @pytest.mark.parametrize(
     "fragment",
     [
-        "version=1&view=chart&lam=0.8&span=-0.05:0.5&gaps=0:0.6&chart_columns=31&chart_rows=22",
-        "version=1&view=chart&chart=oscillator&reach=0.1:0.14&heights=0.05:0.6&chart_columns=12&chart_rows=9",
-        "version=1&view=chart&chart=oscillator&law=newton&alpha=0.5&cos2=0.2&vary=omega&reach=1.8:2.6&second=cos2"
+        "version=2&view=chart&lam=0.8&span=-0.05:0.5&gaps=0:0.6&chart_columns=31&chart_rows=22",
+        "version=2&view=chart&chart=oscillator&reach=0.1:0.14&heights=0.05:0.6&chart_columns=12&chart_rows=9",
+        "version=2&view=chart&chart=oscillator&law=newton&alpha=0.5&cos2=0.2&vary=omega&reach=1.8:2.6&second=cos2"
         "&heights=0:0.5&chart_columns=9&chart_rows=8",
     ],
 )
@@ -432,7 +432,7 @@ def test_a_chart_is_that_of_python(shown, address, fragment, tmp_path):
 
 
 def test_a_click_in_the_chart_picks_both_parameters(shown, address):
-    shown.open(f"{address}#version=1&view=chart&chart_columns=20&chart_rows=20")
+    shown.open(f"{address}#version=2&view=chart&chart_columns=20&chart_rows=20")
     box = shown.page.locator("#chart").bounding_box()
     shown.page.mouse.click(box["x"] + 0.8 * box["width"], box["y"] + 0.3 * box["height"])
     shown.until("() => explorer.state().mu > 0.4 && explorer.state().l > 0.5")
@@ -445,7 +445,7 @@ def test_a_click_in_the_chart_picks_both_parameters(shown, address):
 
 @pytest.mark.parametrize("order", ["lowest", "full", "corrected"])
 def test_one_period_by_both_maps(shown, address, order):
-    link = f"{address}#version=1&view=strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2&order={order}"
+    link = f"{address}#version=2&view=strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2&order={order}"
     shown.open(link)
     seen = shown.page.evaluate(
         "() => { const { full, local } = explorer.views.strobe; "
@@ -473,7 +473,7 @@ def test_basins_are_those_of_python(shown, address, tmp_path, model, attractors)
 
     from grazing.cli.app import main
 
-    shown.open(f"{address}#version=1&view=chart&chart=basins&{model}&chart_columns=13&chart_rows=11")
+    shown.open(f"{address}#version=2&view=chart&chart=basins&{model}&chart_columns=13&chart_rows=11")
     rows, reached = shown.page.evaluate(
         "() => { const chart = explorer.views.chart, all = chart.attractors(); return "
         "[[...chart.codes].map(code => all.findIndex(each => each.row === code)), all]; }"

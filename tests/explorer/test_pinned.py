@@ -2,7 +2,7 @@
 
 import pytest
 
-GAP = "version=1&view=gap&lam=0.5&l=0&span=-0.05:0.35&columns=80&bins=60"
+GAP = "version=2&view=gap&lam=0.5&l=0&span=-0.05:0.35&columns=80&bins=60"
 #: Whether the pinned picture is on screen; what a click changes is seen in the next frame.
 SEEN = "document.getElementById('pinned').offsetParent"
 
@@ -52,7 +52,7 @@ def test_what_cannot_be_compared_is_not_shown(shown, address):
 
 @pytest.mark.parametrize("law", ["newton", "active"])
 def test_laws_that_differ_are_named(shown, address, law):
-    shown.open(f"{address}#version=1&view=oscillator&law={law}&columns=24&bins=20&reduced=no")
+    shown.open(f"{address}#version=2&view=oscillator&law={law}&columns=24&bins=20&reduced=no")
     shown.settle()
     shown.page.click("#pin")
     other = {"newton": "active", "active": "newton"}[law]
@@ -63,7 +63,7 @@ def test_laws_that_differ_are_named(shown, address, law):
 
 def test_no_line_is_lost_where_a_picture_is_made_smaller(shown, address):
     """Where five rows of the kept picture share a pixel, each column still shows the line of its orbit."""
-    shown.open(f"{address}#version=1&view=gap&lam=0.5&l=0.1&span=0.2:0.35&mu=0.3&columns=80&bins=600&theory=no")
+    shown.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=0.2:0.35&mu=0.3&columns=80&bins=600&theory=no")
     shown.settle()
     shown.page.click("#pin")
     shown.page.evaluate("() => explorer.views.gap.diagram.events.zoom([0.2, 0.35], [-1.5, 1.5])")
@@ -97,7 +97,7 @@ def settled(shown):
 
 @pytest.mark.parametrize(
     ("link", "field", "value"),
-    [(f"{GAP}&theory=no", "l", "0.3"), ("version=1&view=oscillator&columns=24&bins=20&reduced=no", "V", "0.1")],
+    [(f"{GAP}&theory=no", "l", "0.3"), ("version=2&view=oscillator&columns=24&bins=20&reduced=no", "V", "0.1")],
 )
 def test_what_is_pinned_is_part_of_the_link(shown, address, link, field, value):
     shown.open(f"{address}#{link}")
@@ -142,7 +142,7 @@ def test_a_pinned_setting_that_cannot_be_read_is_explained(shown, address, pinne
 
 
 def test_what_is_pinned_is_saved_with_the_picture(shown, address):
-    shown.open(f"{address}#{GAP}&pinned={GAP.replace('version=1&', '').replace('=', '%3D').replace('&', '%26')}")
+    shown.open(f"{address}#{GAP}&pinned={GAP.replace('version=2&', '').replace('=', '%3D').replace('&', '%26')}")
     settled(shown)
     with shown.page.expect_download() as kept:
         shown.page.click("[data-save=svg]")

@@ -41,7 +41,7 @@ def hosted(tmp_path):
 
 @pytest.mark.parametrize("where", ["/", "/page/"])
 def test_a_folder_shows_the_page_at_its_root_and_where_older_links_lead(shown, hosted, where):
-    shown.open(f"{hosted}{where}#version=1&view=gap&lam=0.8&l=1&mu=0.5&columns=50")
+    shown.open(f"{hosted}{where}#version=2&view=gap&lam=0.8&l=1&mu=0.5&columns=50")
     assert shown.problem() == "" and "word LLR" in shown.page.inner_text("#summary")
     assert shown.page.evaluate("() => getComputedStyle(document.querySelector('main')).display") == "grid"
     assert all(url.startswith((hosted, "data:")) for url in shown.asked)
@@ -72,7 +72,7 @@ def test_a_single_file_works_from_the_disk(browser, single):
     assert single.stat().st_size < HEAVIEST
     context = browser.new_context(viewport={"width": 1280, "height": 800})
     shown = Shown(context.new_page())
-    shown.open(f"{single.as_uri()}#version=1&view=ball&columns=20&offset=0.12")
+    shown.open(f"{single.as_uri()}#version=2&view=ball&columns=20&offset=0.12")
     assert shown.problem() == ""  # workers were started
     assert "It hits once in three pushes: 001." in shown.page.inner_text(".lead")
     shown.page.click("[data-view=gap]")
@@ -87,7 +87,7 @@ def test_a_single_file_works_from_the_disk(browser, single):
 
 
 def test_the_single_file_shows_what_the_page_shows(browser, shown, single, address):
-    fragment = "version=1&view=gap&lam=0.7&columns=60&bins=50"
+    fragment = "version=2&view=gap&lam=0.7&columns=60&bins=50"
     shown.open(f"{address}#{fragment}")
     want, counts = shown.raster("gap")
     other = Shown(browser.new_page())
@@ -139,7 +139,7 @@ OLDER = {
     "version=1&view=ball&offset=0.12&V=0.4&ball=0.2:0.1:0.25": {"view": "ball", "V": 0.4},
     "version=1&view=oscillator&vary=V&reach=0.1:0.5&reduced=no&theory=no": {"vary": "V", "reduced": False},
     "version=1&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=16": {"chart": "basins"},
-    "version=1&view=strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2&order=full": {"order": "full"},
+    "version=1&view=strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2&order=full": {"order": "full", "u0": 0.03},
     "version=1&view=edges&lam=0.9&periods=3:5&gaps=0:1&span=0:1&l=0.7": {"periods": [3, 5]},
     "version=1&view=ball&tour=2&offset=0.1305": {"tour": 2, "offset": 0.1305},
 }
@@ -157,7 +157,7 @@ def test_older_links_keep_working(shown, address, link):
 
 @pytest.mark.parametrize("view", ["ball", "gap", "chart&chart_columns=40&chart_rows=30"])
 def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
-    shown.open(f"{address}#version=1&view={view}&columns=60")
+    shown.open(f"{address}#version=2&view={view}&columns=60")
     if view == "ball":
         shown.page.click("#play")
     found = []

@@ -63,7 +63,7 @@ def workers(shown, view):
 
 
 def test_the_first_picture_of_the_gap_map_has_a_million_iterates(shown, address):
-    shown.open(f"{address}#version=1&view=gap")
+    shown.open(f"{address}#version=2&view=gap")
     shown.page.evaluate(WATCH, "gap")
     seen = moved(shown, "l", [0.25])
     (picture,) = seen["pictures"]
@@ -78,7 +78,7 @@ def test_the_first_picture_of_the_gap_map_has_a_million_iterates(shown, address)
 
 
 def test_the_pictures_of_the_oscillator(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=1000&reduced=no")
+    shown.open(f"{address}#version=2&view=oscillator&columns=1000&reduced=no")
     shown.page.evaluate(WATCH, "oscillator")
     seen = moved(shown, "V", [0.3])
     (picture,) = seen["pictures"]
@@ -92,7 +92,7 @@ def test_the_pictures_of_the_oscillator(shown, address):
 
 
 def test_a_slider_that_is_dragged_shows_every_picture_that_it_began(shown, address):
-    shown.open(f"{address}#version=1&view=gap")
+    shown.open(f"{address}#version=2&view=gap")
     shown.page.evaluate(WATCH, "gap")
     values = np.round(np.linspace(0.05, 0.6, 40), 3)
     seen = moved(shown, "l", values)
@@ -106,7 +106,7 @@ def test_a_slider_that_is_dragged_shows_every_picture_that_it_began(shown, addre
 
 
 def test_refinement_makes_way_for_a_new_picture(shown, address):
-    shown.open(f"{address}#version=1&view=gap&starts=100")  # the whole picture takes long
+    shown.open(f"{address}#version=2&view=gap&starts=100")  # the whole picture takes long
     shown.page.evaluate(WATCH, "gap")
     shown.page.evaluate(DRAG, ["l", [0.3]])
     shown.until("() => explorer.views.gap.diagram.stage === 'coarse'")
@@ -118,7 +118,7 @@ def test_refinement_makes_way_for_a_new_picture(shown, address):
 
 
 def test_the_ball_moves_by_the_time_of_every_frame(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4")
     shown.until("() => explorer.views.ball.now > 0.5")
     frames = shown.page.evaluate(
         """() => new Promise((done) => {
@@ -170,9 +170,9 @@ TABLE = """
 @pytest.mark.parametrize(
     ("page", "ready", "minute", "memory"),
     [
-        ("index.html#version=1&view=ball&offset=0.1225&twin=yes", "explorer.views.ball.now > 0.1", BALL,
+        ("index.html#version=2&view=ball&offset=0.1225&twin=yes", "explorer.views.ball.now > 0.1", BALL,
          "explorer.views.ball.machine"),
-        ("index.html#version=1&view=ball&omega=6&V=0&offset=-0.2&twin=yes", "explorer.views.ball.now > 0.1", BALL,
+        ("index.html#version=2&view=ball&omega=6&V=0&offset=-0.2&twin=yes", "explorer.views.ball.now > 0.1", BALL,
          "explorer.views.ball.machine"),
         ("table.html", "pinball.exits()?.side === 320", TABLE, "pinball.game().machine"),
     ],

@@ -53,7 +53,7 @@ def presenting(shown):
 def opened(browser, address, view, size=(1280, 800), scheme="light"):
     context = browser.new_context(viewport={"width": size[0], "height": size[1]}, color_scheme=scheme)
     shown = Shown(context.new_page())
-    shown.open(f"{address}#version=1&{VIEWS[view]}")
+    shown.open(f"{address}#version=2&{VIEWS[view]}")
     return context, shown
 
 
@@ -85,7 +85,7 @@ def test_before_a_room_nothing_is_smaller_than_24_pixels(browser, address, view)
 
 
 def test_it_begins_and_ends_by_key_and_button(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=60")
+    shown.open(f"{address}#version=2&view=ball&columns=60")
     before = shown.pixels("strip")
     shown.page.click("#present")
     assert presenting(shown) and shown.page.is_hidden("nav") and shown.page.is_visible("#end")
@@ -104,7 +104,7 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
 def test_a_narrow_screen_is_filled_too(browser, address, view):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     shown = Shown(context.new_page())
-    shown.open(f"{address}#version=1&{VIEWS[view]}")
+    shown.open(f"{address}#version=2&{VIEWS[view]}")
     shown.page.tap("#present")
     assert presenting(shown)
     shown.until(f"async () => await ({DRAWN})() > 17.999")
@@ -125,7 +125,7 @@ def test_a_narrow_screen_is_filled_too(browser, address, view):
 
 
 def test_keys_are_at_hand_before_a_room(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.14&tour=1")
+    shown.open(f"{address}#version=2&view=ball&offset=0.14&tour=1")
     shown.page.keyboard.press("p")
     shown.page.keyboard.press(" ")
     assert presenting(shown) and not shown.page.evaluate("() => explorer.views.ball.playing")
@@ -141,7 +141,7 @@ def test_keys_are_at_hand_before_a_room(shown, address):
 
 
 def test_hands_do_the_same_before_a_room(shown, address):
-    shown.open(f"{address}#version=1&view=gap&columns=60")
+    shown.open(f"{address}#version=2&view=gap&columns=60")
     shown.page.keyboard.press("p")
     shown.settle()
     axes = "explorer.views.gap.diagram.axes"
@@ -199,7 +199,7 @@ def test_all_sliders_of_the_opening_are_seen_without_scrolling(browser, address)
 
 
 def test_a_slider_is_named_in_words_and_by_its_symbol(shown, address):
-    shown.open(f"{address}#version=1&view=ball&columns=60")
+    shown.open(f"{address}#version=2&view=ball&columns=60")
     names = shown.page.evaluate(
         "() => [...document.querySelectorAll('#oscillator-sliders .control[data-name] label')].map(e => e.textContent)"
     )
@@ -228,7 +228,7 @@ def test_every_parameter_has_words(shown, address):
 def test_on_a_phone_the_words_stand_under_the_picture(browser, address, view):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     shown = Shown(context.new_page())
-    shown.open(f"{address}#version=1&{VIEWS[view]}&reduced=no")
+    shown.open(f"{address}#version=2&{VIEWS[view]}&reduced=no")
     tops = shown.page.evaluate(
         "() => ['main .view:not([hidden]) .first', '#summary', '#controls', '[data-copy=link]', '#hint']"
         ".map(e => document.querySelector(e).getBoundingClientRect().top)"

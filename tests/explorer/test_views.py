@@ -91,7 +91,7 @@ def pixels_of(data):
 def test_a_picture_is_saved_whole_and_as_vectors(browser, address, tmp_path, scene, scheme):
     context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme=scheme)
     page = Shown(context.new_page())
-    page.open(f"{address}#version=1&{SCENES[scene]}")
+    page.open(f"{address}#version=2&{SCENES[scene]}")
     if scene == "ball":
         page.page.click("#step")
     bitmap = np.asarray(Image.open(saved(page, "png", tmp_path)).convert("RGB")).astype(int)
@@ -164,7 +164,7 @@ def opened(shown, address, preset, **smaller):
     """Show a preset by its link, with less to compute."""
     given = {**preset["state"], **smaller}
     words = [f"{key}={':'.join(map(str, value)) if isinstance(value, list) else value}" for key, value in given.items()]
-    shown.open(f"{address}#version=1&{'&'.join(words)}")
+    shown.open(f"{address}#version=2&{'&'.join(words)}")
     assert shown.problem() == ""
 
 
@@ -321,7 +321,7 @@ def test_the_edges_of_a_figure(shown, address, presets, run, number):
 
 def test_the_program_and_the_command_of_the_windows(shown, address, tmp_path):
     shown.open(
-        f"{address}#version=1&view=edges&lam=0.7&periods=1:4&gaps=0.1:0.6&span=0.05:0.9&chart_columns=5&chart_rows=4"
+        f"{address}#version=2&view=edges&lam=0.7&periods=1:4&gaps=0.1:0.6&span=0.05:0.9&chart_columns=5&chart_rows=4"
     )
     seen = shown.page.evaluate(
         "() => explorer.views.edges.edges.map(({ doubling, collision }) => "
@@ -350,7 +350,7 @@ def test_the_program_and_the_command_of_the_windows(shown, address, tmp_path):
     ],
 )
 def test_the_program_and_the_command_of_one_period(shown, address, tmp_path, model):
-    shown.open(f"{address}#version=1&view=strobe&{model}")
+    shown.open(f"{address}#version=2&view=strobe&{model}")
     seen = shown.page.evaluate(
         "() => { const { u, full, local } = explorer.views.strobe; return [[...u], "
         "...[full, local].map(each => [[...each.u], [...each.v], [...each.letters]])]; }"
@@ -382,7 +382,7 @@ def hits(shown):
 
 @FLYING
 def test_a_thrown_ball_is_in_the_link_and_flies_as_in_python(shown, address, tmp_path):
-    shown.open(f"{address}#version=1&view=ball&phase=0.4&alpha=1&columns=20")
+    shown.open(f"{address}#version=2&view=ball&phase=0.4&alpha=1&columns=20")
     box = shown.page.locator("#phase").bounding_box()
     shown.page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.35 * box["height"])
     shown.until("() => location.hash.includes('ball=')")
@@ -410,7 +410,7 @@ def test_a_thrown_ball_is_in_the_link_and_flies_as_in_python(shown, address, tmp
 
 @FLYING
 def test_a_link_begins_where_the_ball_is(shown, address):
-    shown.open(f"{address}#version=1&view=ball&offset=0.12&V=0.4&ball=0.2:0.1:0.25&columns=20")
+    shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4&ball=0.2:0.1:0.25&columns=20")
     shown.page.click("#step")
     shown.page.click("#step")
     here = shown.page.evaluate("() => explorer.views.ball.trail.at(-1)")
@@ -428,7 +428,7 @@ def test_a_link_begins_where_the_ball_is(shown, address):
 
 @FLYING
 def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
-    shown.open(f"{address}#version=1&view=ball&ball=1.5:1:0&columns=20")
+    shown.open(f"{address}#version=2&view=ball&ball=1.5:1:0&columns=20")
     x0, x1, y0, y1 = shown.page.evaluate(
         "() => { const a = explorer.views.ball.axes; return [a.x0, a.x1, a.y0, a.y1]; }"
     )
@@ -441,7 +441,7 @@ def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
 
 
 def test_a_state_of_the_basins_is_thrown(shown, address):
-    shown.open(f"{address}#version=1&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20&columns=20")
+    shown.open(f"{address}#version=2&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20&columns=20")
     box = shown.page.locator("#chart").bounding_box()
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.3 * box["height"])
     shown.until("() => location.hash.includes('ball=')")
@@ -460,7 +460,7 @@ def test_a_state_of_the_basins_is_thrown(shown, address):
 @pytest.mark.parametrize("scene", ZOOMED)
 def test_a_box_zooms_and_a_double_click_shows_all(shown, address, scene):
     canvas, keys = ZOOMED[scene]
-    shown.open(f"{address}#version=1&{SCENES[scene]}")
+    shown.open(f"{address}#version=2&{SCENES[scene]}")
     whole = [state(shown, key) for key in keys]
     box = shown.page.locator(f"#{canvas}").bounding_box()
     at = lambda x, y: (box["x"] + x * box["width"], box["y"] + y * box["height"])  # noqa: E731
@@ -488,14 +488,14 @@ def test_a_box_zooms_and_a_double_click_shows_all(shown, address, scene):
 
 
 def test_a_zoomed_link_can_show_all(shown, address):
-    shown.open(f"{address}#version=1&view=chart&span=0.1:0.2&gaps=0.3:0.4&chart_columns=20&chart_rows=20")
+    shown.open(f"{address}#version=2&view=chart&span=0.1:0.2&gaps=0.3:0.4&chart_columns=20&chart_rows=20")
     shown.page.click("#all")
     shown.until("() => !location.hash.includes('span=') && !location.hash.includes('gaps=')")
     shown.settle()
 
 
 def test_a_click_between_the_edges_chooses_gap_and_mu(shown, address):
-    shown.open(f"{address}#version=1&view=edges&lam=0.9&span=0:1")
+    shown.open(f"{address}#version=2&view=edges&lam=0.9&span=0:1")
     place = shown.page.evaluate("() => { const a = explorer.views.edges.axes; return [a.x(0.7), a.y(0.55)]; }")
     box = shown.page.locator("#edges").bounding_box()
     shown.page.mouse.click(box["x"] + place[0], box["y"] + place[1])
@@ -508,7 +508,7 @@ def test_a_click_between_the_edges_chooses_gap_and_mu(shown, address):
 
 
 def test_a_click_in_one_period_chooses_the_start(shown, address):
-    shown.open(f"{address}#version=1&{SHALLOW}")
+    shown.open(f"{address}#version=2&{SHALLOW}")
     box = shown.page.locator("#strobe").bounding_box()
     before = shown.pixels("zero-time")
     shown.page.mouse.click(box["x"] + 0.3 * box["width"], box["y"] + 0.5 * box["height"])
@@ -530,7 +530,7 @@ def test_a_click_in_one_period_chooses_the_start(shown, address):
     ],
 )
 def test_what_cannot_be_shown_is_explained(shown, address, fragment, said):
-    shown.page.goto(f"{address}#version=1&{fragment}&columns=20")
+    shown.page.goto(f"{address}#version=2&{fragment}&columns=20")
     shown.until("() => !document.getElementById('problem').hidden")
     assert said in shown.problem()
     shown.page.click("[data-view=gap]")
@@ -546,7 +546,7 @@ def test_what_cannot_be_shown_is_explained(shown, address, fragment, said):
 def test_on_a_phone_the_picture_stays_while_a_slider_is_moved(browser, address, scene):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
     page = Shown(context.new_page())
-    page.open(f"{address}#version=1&{SCENES[scene]}")
+    page.open(f"{address}#version=2&{SCENES[scene]}")
     assert page.page.evaluate("() => document.documentElement.scrollWidth") <= 390
     figure, controls = (page.page.locator(name) for name in (".first:visible", "#controls"))
     assert figure.bounding_box()["y"] < controls.bounding_box()["y"]
@@ -577,7 +577,7 @@ def test_without_a_canvas_the_words_are_there(browser, address):
         ("basins", "of the picture"), ("strobe", "Zero-time map"), ("ball", "period-3 orbit"),
     ):  # fmt: skip
         page.page.goto("about:blank")
-        page.page.goto(f"{address}#version=1&{SCENES[scene]}")
+        page.page.goto(f"{address}#version=2&{SCENES[scene]}")
         page.until(f"() => document.getElementById('summary').textContent.includes('{said}')")
         assert page.problem().startswith("This browser gives the page no canvas: pictures cannot be drawn.")
         assert "grazing" in page.page.evaluate("() => explorer.texts().python")
@@ -587,7 +587,7 @@ def test_without_a_canvas_the_words_are_there(browser, address):
 
 def test_without_webassembly_the_page_says_so_and_makes_links(browser, address):
     context, page = lacking(browser, "delete window.WebAssembly;")
-    page.page.goto(f"{address}#version=1&view=gap")
+    page.page.goto(f"{address}#version=2&view=gap")
     page.until("() => !document.getElementById('problem').hidden")
     assert "This browser has no WebAssembly" in page.problem()
     page.page.fill("input[type=number][name=lam]", "0.6")
@@ -609,7 +609,7 @@ def test_without_workers_the_page_computes_by_itself(browser, shown, address, wa
         page.page.route("**/worker.js", lambda route: route.fulfill(status=404))
     elif "late" in way:
         page.page.route("**/worker.js", lambda route: held.append(route))
-    page.page.goto(f"{address}#version=1&view=gap&columns=60&bins=50")
+    page.page.goto(f"{address}#version=2&view=gap&columns=60&bins=50")
     if "late" in way:
         page.until("() => /computing|coarse/.test(globalThis.explorer?.views.gap.diagram.stage)")
         assert held
@@ -628,10 +628,10 @@ def test_without_workers_the_page_computes_by_itself(browser, shown, address, wa
     assert "late" not in way or not page.page.evaluate("() => failed")
     counts = page.raster("gap")[1]
     page.page.goto("about:blank")
-    page.page.goto(f"{address}#version=1&{SCENES['basins']}")
+    page.page.goto(f"{address}#version=2&{SCENES['basins']}")
     page.until("() => globalThis.explorer?.views.chart.canvas.dataset.stage === 'done'")
     assert "of the picture" in page.page.inner_text("#summary")
     context.close()
     assert page.errors == []
-    shown.open(f"{address}#version=1&view=gap&columns=60&bins=50")
+    shown.open(f"{address}#version=2&view=gap&columns=60&bins=50")
     np.testing.assert_array_equal(counts, shown.raster("gap")[1])

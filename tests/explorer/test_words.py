@@ -31,7 +31,7 @@ GO = """(link) => new Promise((done) => {
 
 def show(page, address, fragment):
     """Go to a state in the page that is open, and wait until it is shown."""
-    page.page.evaluate(GO, f"#version=1&{fragment}")
+    page.page.evaluate(GO, f"#version=2&{fragment}")
 
 
 def said(page):
@@ -51,7 +51,7 @@ def said(page):
     ],
 )
 def test_the_page_answers_while_it_looks_for_attractors(shown, address, fragment):
-    shown.open(f"{address}#version=1&view=edges")
+    shown.open(f"{address}#version=2&view=edges")
     shown.page.evaluate(WATCH)
     begun = time.perf_counter()
     show(shown, address, fragment)
@@ -74,7 +74,7 @@ def test_the_page_answers_while_it_looks_for_attractors(shown, address, fragment
 
 
 def test_an_axis_ends_where_its_parameter_does(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&vary=r&reach=0.2:1&columns=20&bins=20&reduced=no&r=0.5")
+    shown.open(f"{address}#version=2&view=oscillator&vary=r&reach=0.2:1&columns=20&bins=20&reduced=no&r=0.5")
     shown.page.focus("#flow-diagram")
     shown.page.keyboard.press("-")
     shown.until("() => explorer.state().reach[0] < 0.2")
@@ -92,7 +92,7 @@ def test_an_axis_ends_where_its_parameter_does(shown, address):
     ],
 )
 def test_a_narrow_range_holds_its_orbits(shown, address, fragment, view):
-    shown.open(f"{address}#version=1&{fragment}")
+    shown.open(f"{address}#version=2&{fragment}")
     told, counts = shown.raster(view)
     assert told["low"] < told["high"]
     assert counts[:, 1:-2].sum() == counts.sum() > 0
@@ -113,7 +113,7 @@ def test_chatter_and_rest_are_named_as_in_python(shown, address, model, words):
     grid = {name: [model[name], model[name] + 1e-9] for name in ("d", "r")}
     word = gz.chart(P, grid, starts=2, transient=100, keep=32)["word"].values.ravel()[0]
     given = "&".join(f"{name}={value}" for name, value in model.items()).replace("d=", "offset=")
-    shown.open(f"{address}#version=1&view=ball&{given}")
+    shown.open(f"{address}#version=2&view=ball&{given}")
     assert f"{words}" in said(shown) and f"word {word};" in said(shown)
     show(shown, address, f"view=chart&chart=basins&{given}&positions=0:0.5&chart_columns=4&chart_rows=4")
     shown.settle()
@@ -121,7 +121,7 @@ def test_chatter_and_rest_are_named_as_in_python(shown, address, model, words):
 
 
 def test_the_start_of_the_zero_time_map(shown, address):
-    shown.open(f"{address}#version=1&view=strobe")
+    shown.open(f"{address}#version=2&view=strobe")
     assert "has 0 impacts below" in said(shown) or "has 1 impact" in said(shown)
     write = "() => { const c = explorer.views.strobe.zero.context, old = c.fillText; globalThis.written = [];"
     write += " c.fillText = function (text, ...rest) { written.push(text); return old.call(this, text, ...rest); }; }"
@@ -139,14 +139,14 @@ def test_the_start_of_the_zero_time_map(shown, address):
 
 
 def test_no_table_of_windows_at_a_gap_below_0(shown, address):
-    shown.open(f"{address}#version=1&view=edges&l=-0.5")
+    shown.open(f"{address}#version=2&view=edges&l=-0.5")
     assert "The windows of theory are known for l ≥ 0." in said(shown) and "stable for" not in said(shown)
     show(shown, address, "view=edges&l=0.3")
     assert "Period 3: stable for" in said(shown)
 
 
 def test_a_wall_above_0_leaves_basins_and_ball(shown, address):
-    shown.open(f"{address}#version=1&view=chart&chart=basins&sigma=0.1&ball=0.05:0:0&chart_columns=9&chart_rows=8")
+    shown.open(f"{address}#version=2&view=chart&chart=basins&sigma=0.1&ball=0.05:0:0&chart_columns=9&chart_rows=8")
     assert shown.problem() == "" and "np.linspace(0.1, 0.5, 9)" in shown.page.evaluate("() => explorer.texts().python")
     assert "(0.05, 0) lies behind the wall at 0.1." in said(shown)
     show(shown, address, "view=chart&chart=basins&sigma=0.6")
@@ -160,7 +160,7 @@ def test_a_wall_above_0_leaves_basins_and_ball(shown, address):
 
 
 def test_words_of_the_ball(shown, address):
-    shown.open(f"{address}#version=1&view=ball&law=triggered&trigger=0.3")
+    shown.open(f"{address}#version=2&view=ball&law=triggered&trigger=0.3")
     assert "a bumper with V = 0.4, passive below the impact speed v_s = 0.3" in said(shown)
     shown.page.click("#step")
     shown.until("() => document.getElementById('summary').textContent.includes('the link and the copied')")
@@ -172,7 +172,7 @@ def test_words_of_the_ball(shown, address):
 
 def test_every_period_of_a_chart_is_named(shown, address):
     fragment = "view=chart&chart=gap&lam=0.8&span=0:0.02&gaps=0.2:0.6&chart_columns=70&chart_rows=60"
-    shown.open(f"{address}#version=1&{fragment}")
+    shown.open(f"{address}#version=2&{fragment}")
     periods = shown.page.evaluate(
         "() => [...new Set(explorer.views.chart.codes)].filter(Boolean).sort((a, b) => a - b)"
     )
@@ -209,7 +209,7 @@ def phone(browser):
     "view", ["gap&columns=60", "oscillator&columns=20&bins=40", "strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2"]
 )
 def test_on_a_phone_pictures_lie_together_on_the_page_and_in_files(phone, address, tmp_path, view):
-    phone.open(f"{address}#version=1&view={view}")
+    phone.open(f"{address}#version=2&view={view}")
     first, second = (
         phone.page.locator(f"{name}:visible").bounding_box() for name in ("figure.first", "figure:not(.first)")
     )
@@ -229,7 +229,7 @@ def test_on_a_phone_pictures_lie_together_on_the_page_and_in_files(phone, addres
 
 
 def test_the_key_of_one_period_fits_above_the_picture(phone, address):
-    phone.open(f"{address}#version=1&view=strobe&order=corrected")
+    phone.open(f"{address}#version=2&view=strobe&order=corrected")
     seen = phone.page.evaluate(
         "() => { const { axes } = explorer.views.strobe, c = axes.context, old = c.fillText, all = [];"
         " c.fillText = (text, x, y) => /exact|map/.test(text) && all.push([x + c.measureText(text).width, y]);"
@@ -240,7 +240,7 @@ def test_the_key_of_one_period_fits_above_the_picture(phone, address):
 
 
 def test_the_names_of_both_diagrams_stand_below_their_axes(shown, address):
-    shown.open(f"{address}#version=1&view=oscillator&columns=20&bins=20")
+    shown.open(f"{address}#version=2&view=oscillator&columns=20&bins=20")
     for diagram, name in (("diagram", "full oscillator"), ("reduced", "reduced map (2.6)")):
         y, low = shown.page.evaluate(
             "([which, name]) => { const d = explorer.views.oscillator[which], c = d.axes.context; let at = NaN;"

@@ -2,7 +2,7 @@
 /** The controls of the page, in their places. */
 import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
 import { WORDS } from "./names.js";
-import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, fromFragment } from "./state.js";
+import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, VERSION, fromFragment } from "./state.js";
 
 /** @typedef {import("./controls.js").Control} Control */
 /** What the page lends. @typedef {{fields: import("./state.js").Fields, change: (part: object) => void, problem: (text: string) => void, state: () => import("./state.js").State}} Page */
@@ -40,7 +40,7 @@ export function panel(page) {
   };
   const axis = (/** @type {string} */ key, /** @type {string} */ symbol) => pair(symbol, (ends) => change({ [key]: ends }), problem, (text) => {
     const { law, vary, second } = state();
-    return fromFragment(`version=1&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
+    return fromFragment(`version=${VERSION}&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
   });
   /** @type {[string, string][]} */
   const axes = VARIED.map((name) => [name, `${WORDS[name]} ${plainSymbol(fields[name])}`]);
@@ -52,7 +52,7 @@ export function panel(page) {
   put("vary", choice("axis", axes, own("vary")));
   put("second", choice("second axis", axes, own("second")));
   put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
-  put("periods", pair("periods", (periods) => change({ periods }), problem, (text) => fromFragment(`version=1&periods=${text}`, fields).problems, true));
+  put("periods", pair("periods", (periods) => change({ periods }), problem, (text) => fromFragment(`version=${VERSION}&periods=${text}`, fields).problems, true));
   put("span", axis("span", "μ"));
   put("range", axis("range", "x"));
   put("positions", axis("positions", "u"));
@@ -90,7 +90,7 @@ function whole(name, text, least, { fields, change, problem }) {
   input.setAttribute("aria-label", text);
   made.box.append(document.createElement("span"));
   input.addEventListener("change", () => {
-    const { state: found, problems: why } = fromFragment(`version=1&${name}=${input.value}`, fields);
+    const { state: found, problems: why } = fromFragment(`version=${VERSION}&${name}=${input.value}`, fields);
     input.toggleAttribute("aria-invalid", why.length > 0);
     problem(why.join("; "));
     if (!why.length) change({ [name]: /** @type {Record<string, any>} */ (found)[name] });

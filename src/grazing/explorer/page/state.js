@@ -1,9 +1,11 @@
 // @ts-check
-/** The state of the page, and the same as the fragment of a link: `#version=1&view=gap&lam=0.34&...`. */
+/** The state of the page, and the same as the fragment of a link: `#version=2&view=gap&lam=0.34&...`. */
 
 import { TOUR } from "./tour.js";
 
-export const VERSION = "1";
+export const VERSION = "2";
+/** What links of earlier versions left to the defaults of their time. @type {Record<string, object>} */
+const EARLIER = { 1: { u0: 0.03 } };
 export const VIEWS = ["ball", "oscillator", "gap", "edges", "chart", "strobe"];
 
 /** @typedef {[number, number]} Pair */
@@ -198,8 +200,10 @@ export function fromFragment(fragment, fields) {
     }
     given.set(at < 0 ? part : part.slice(0, at), at < 0 ? "" : text);
   }
-  if (given.size && given.get("version") !== VERSION) {
-    problems.push(given.has("version") ? `the link has version ${given.get("version")}; this page reads version ${VERSION}` : "the link does not say its version");
+  const version = given.get("version") ?? "";
+  if (Object.hasOwn(EARLIER, version)) Object.assign(state, EARLIER[version]);
+  else if (given.size && version !== VERSION) {
+    problems.push(given.has("version") ? `the link has version ${version}; this page reads version ${VERSION}` : "the link does not say its version");
   }
   given.delete("version");
   for (const [key, text] of given) {
