@@ -118,13 +118,36 @@ def extended(tangent: Callable[..., Any]) -> Callable[..., Any]:
 
 @lru_cache(maxsize=256)
 def stepping(tangent: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the step of a tangent."""
+    """Return the step of a tangent, or of whatever else says more behind it."""
 
     def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = tangent(state, c)
-        return new, letter, outcome
+        found = tangent(state, c)
+        return found[0], found[1], found[2]
 
     return step
+
+
+@lru_cache(maxsize=256)
+def deriving(period: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``derived(state, c) -> (state, letter, outcome, J)`` of what says more behind these."""
+
+    def derived(state: Any, c: Any) -> Any:
+        found = period(state, c)
+        return found[0], found[1], found[2], found[3]
+
+    return derived
+
+
+@lru_cache(maxsize=256)
+def plainly(derived: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the tangent of a map of two coordinates, without the logarithm of |det J| behind J."""
+
+    def tangent(state: Any, c: Any) -> Any:
+        found = derived(state, c)
+        J = found[3]
+        return found[0], found[1], found[2], (J[0], J[1], J[2], J[3])
+
+    return tangent
 
 
 @lru_cache(maxsize=256)

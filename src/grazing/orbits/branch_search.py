@@ -284,18 +284,13 @@ class Pieces:
         x, p = unscaled(seed.equations, seed.point.z)
         for number, begun_there in enumerate(self.pieces):  # from another point that collides there too
             there, near = begun_there.equations, abs(begun_there.values[0] - p[-1]) < 1e-6 * seed.equations.spans[-1]
-            if (
-                begun_there.ends[0] in SPECIAL
-                and near
-                and type(there) is type(seed.equations)
-                and there.N == seed.equations.N
-            ):
-                if seed.equations.same(x, there, begun_there.unknowns[0], p):
-                    self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
-                    return True
+            known = begun_there.ends[0] in SPECIAL and near and seed.equations.alike(there)
+            if known and seed.equations.same(x, there, begun_there.unknowns[0], p):
+                self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
+                return True
         for i, one in enumerate(self.special):
             piece = self.pieces[one.piece].equations
-            if i == seed.origin or type(piece) is not type(seed.equations) or piece.N != seed.equations.N:
+            if i == seed.origin or not seed.equations.alike(piece):
                 continue
             there, _x = equations_of(one.orbit, (self.name,), seed.equations.spans)
             near = abs(one.value - p[-1]) < 1e-6 * seed.equations.spans[-1]
