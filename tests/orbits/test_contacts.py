@@ -321,6 +321,11 @@ def test_the_symmetry_of_the_impact_pair_breaks_where_the_closed_form_says(r):
     back = gz.continuation(one.map, one, "B.sigma", bounds)  # passes through the symmetric orbit to its own image
     (again,) = (special for special in back.special if special.type == "bp")
     assert again.value == pytest.approx(broken.value, abs=1e-12) and again.orbit.symmetric and again.converged
+    for before in (0.01, 0.016, 0.03):  # long steps led from one branch to the other, and found nothing
+        one = min(other.pieces[0].orbits, key=lambda o: abs(o.map.params["B.sigma"] - broken.value + before))
+        at = one.map.params["B.sigma"]
+        back = gz.continuation(one.map, one, "B.sigma", (at - 0.016, broken.value + 0.0134), step=0.1)
+        assert any(x.type == "bp" and x.value == pytest.approx(broken.value, abs=1e-12) for x in back.special)
 
 
 def test_orbits_of_a_symmetric_model_are_found_with_their_images():

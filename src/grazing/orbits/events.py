@@ -42,8 +42,11 @@ class Event(NamedTuple):
     converged: bool
 
 
-def between(equations: Equations, a: Point, b: Point) -> list[Event]:
-    """Return what happens between two neighbouring points, in order along the path."""
+def between(equations: Equations, a: Point, b: Point) -> list[Event] | None:
+    """Return what happens between two neighbouring points, in order along the path.
+
+    None if b is its own mirror image and a is not: the path crosses that branch in one point, and b is on the other.
+    """
     chord = b.z - a.z
     length = float(np.linalg.norm(chord))
     if length == 0.0:
@@ -64,8 +67,11 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event]:
         if one is not None:
             return [one[1]]
     images = [equations.mirrored(*unscaled(equations, q.z)) for q in (a, b)]
+    sizes = [0.0 if one is None else float(np.abs(one).max()) for one in images]
+    if images[1] is not None and sizes[1] <= ALIKE < sizes[0]:
+        return None
     if images[0] is not None and images[1] is not None and float(images[0] @ images[1]) < 0.0:
-        if min(np.abs(one).max() for one in images if one is not None) > ALIKE:
+        if min(sizes) > ALIKE:
             beside = images[0]
 
             def lopsided(q: Point) -> float:

@@ -150,7 +150,11 @@ def follow(
         back = returned(equations, first, there, 0.6 * h) if len(path.points) > 3 and not leaves else None
         there = back or there
         broken = equations.broken(*unscaled(equations, there.z))
-        for event in between(equations, here, there):
+        events = between(equations, here, there)
+        if events is None and h > SHORTEST:
+            h = max(0.4 * h, SHORTEST)
+            continue
+        for event in events or []:
             path.points.append(event.point)
             path.events.append((len(path.points) - 1, event))
             if stop is not None and stop(event):
