@@ -23,7 +23,9 @@ from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.piece_equations import equations_of_pieces
+from grazing.orbits.piece_equations import PieceEquations
+from grazing.orbits.piece_letters import letters_from, one_sided
+from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.resting import resting_equations
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import CHATTER, STUCK, InputError
@@ -64,8 +66,26 @@ def of_section(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equati
 
 
 def of_points(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
-    """Return the equations of the points of an orbit, on the pieces of its map if it has some."""
-    return (mapped if orbit.map.formulas is None else equations_of_pieces)(orbit, names, spans)
+    """Return the equations of the points of an orbit, on the pieces of its map if it has some.
+
+    Where a piece of its word ends at its border after all, they are those of maps that are not by pieces, which do too.
+    """
+    if orbit.map.formulas is None:
+        return mapped(orbit, names, spans)
+    P = orbit.map
+    if isinstance(orbit, PieceOrbit):
+        letters, roots = orbit.letters, np.sign(orbit.margins) * np.sqrt(np.abs(orbit.margins))
+    else:
+        letters, roots = letters_from(P, orbit.points)
+    if len(letters) != orbit.period:
+        raise InputError(f"{orbit!r} has {len(letters)} points for period {orbit.period}")
+    ends = one_sided(P)
+    if any(ends[k] for k in letters):
+        plain, x = MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
+        if plain.visited(x, np.array([P.params[name] for name in names]))[1] == letters:
+            return plain, x
+    equations = PieceEquations(P, names, letters, spans)
+    return equations, equations.unknowns(orbit.points, roots)
 
 
 def _rested(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
