@@ -197,6 +197,8 @@ def from_another(error, cause):
         (from_another(ImportError("no module"), ImportError("No module named 'numba'")), 1, "'numba'); install"),
         (KeyboardInterrupt(), 130, "stopped: interrupted"),
         (from_another(ImportError("numpy failed to import"), KeyboardInterrupt()), 130, "stopped: interrupted"),
+        (from_another(RuntimeError("Error calling __set_name__"), KeyboardInterrupt()), 130, "stopped: interrupted"),
+        (from_another(ZeroDivisionError("by zero"), ValueError("first")), 1, "unexpected error: ZeroDivisionError"),
         (ZeroDivisionError("by zero"), 1, "unexpected error: ZeroDivisionError: by zero\nThis is a defect in grazing"),
     ],
 )

@@ -139,8 +139,8 @@ def _guarded(tokens: list[str]) -> int:
         return _fail(str(error), USAGE)
     except GrazingError as error:
         return _fail(str(error), FAILED)
-    except KeyboardInterrupt as stop:
-        return _interrupted(stop)
+    except KeyboardInterrupt as error:
+        return _interrupted(error)
     except BrokenPipeError:
         return DONE
     except SystemExit as stop:  # how the writer of the help says that its reader has left
@@ -150,10 +150,12 @@ def _guarded(tokens: list[str]) -> int:
             f"code of your own, or of a package, called sys.exit({shown(stop.code)}); leave that away.", FAILED
         )
     except (ImportError, OSError, MemoryError) as error:
-        stops = [one for one in _causes(error) if isinstance(one, KeyboardInterrupt)]
         # Modules in C say of an interrupt that reaches them that something cannot be imported.
-        return _interrupted(stops[0]) if stops and isinstance(error, ImportError) else _failed(error)
+        asked = _stop(error) if isinstance(error, ImportError) else None
+        return _failed(error) if asked is None else _interrupted(asked)
     except BaseException as error:  # of whatever kind: a class of the user's may raise any
+        if asked := _stop(error):  # Python says of one in the making of a class that a name cannot be set
+            return _interrupted(asked)
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
         if streams.closed(sys.stdout):
@@ -175,6 +177,11 @@ def _interrupted(stop: KeyboardInterrupt) -> int:
     # by the signal, not with our exit code, although it was caught. The next such code makes it forget.
     exec("")
     return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
+
+
+def _stop(error: BaseException) -> KeyboardInterrupt | None:
+    """Return the interrupt that an error came from; None for none."""
+    return next((one for one in _causes(error) if isinstance(one, KeyboardInterrupt)), None)
 
 
 def _failed(error: ImportError | OSError | MemoryError) -> int:
@@ -247,16 +254,15 @@ def _columns() -> int | None:
     return None
 
 
-def _misconfigured(error: BaseException | None) -> str:
+def _misconfigured(error: BaseException) -> str:
     """Return whose configuration, in a file or a variable, is why something failed, and how; empty for nobody's."""
-    while error is not None:
-        frames = [frame for frame, _line in traceback.walk_tb(error.__traceback__)][-1:]
+    for one in _causes(error):
+        frames = [frame for frame, _line in traceback.walk_tb(one.__traceback__)][-1:]
         raised = [str(frame.f_globals.get("__name__", "")) for frame in frames]
-        for where in (*raised, f"{type(error).__module__}.{type(error).__name__}"):
+        for where in (*raised, f"{type(one).__module__}.{type(one).__name__}"):
             package, _, inside = where.partition(".")
             if package != "grazing" and "config" in inside.lower():
-                return f"of {package} that is found here cannot be used: {in_one_line(error)}"
-        error = error.__cause__ or error.__context__
+                return f"of {package} that is found here cannot be used: {in_one_line(one)}"
     return ""
 
 
