@@ -44,6 +44,9 @@ for each in P, gz.collision_map(classic):
     each.orbit([0.5 * (low + high) for low, high in each.box], 5)
 gz.orbit_diagram(P, "g", [1.0, 1.1], starts=2, transient=5)
 gz.lyapunov(P, "g", [1.0, 1.1], transient=5)
+floor = gz.table([gz.segment("floor", (0, 0), (5, 0), gz.active(r=0.9, V=0.3))], rho=0.1, tilt=0.2)
+grid = {"place": [2.0, 2.1], "speed": [3.0, 3.5]}
+gz.basins(gz.collision_map(floor), grid, fixed={"angle": 0.0}, transient=10)  # a ball that settles, slowly
 gz.basins(launch, {"angle": [1.5, 1.6], "speed": [14.0, 15.0]}, transient=5)
 gz.orbit_diagram(launch, "g", [1.0, 1.1], starts=2, transient=5)
 """

@@ -114,6 +114,9 @@ def tables() -> None:
     _each(gz.launch_map(sloped, (3.2, 8.0)), "g", np.array([1.0, 1.1]), "tilt")
     P = gz.collision_map(level)
     _each(P, "a.V", np.array([0.0, 0.1]), "rho")
+    kicks = gz.segment("floor", corners[0], corners[1], gz.active(r=0.9, V=0.4))  # a ball on it settles, slowly
+    grid = {"place": [3.0, 3.1], "speed": [3.0, 3.5]}
+    gz.basins(gz.collision_map(gz.table([kicks], rho=0.1, tilt=0.1)), grid, fixed={"angle": 0.0}, transient=10)
     assert P.origin.settle is not None
     P.origin.settle(list(P.params.values()), (0.5, 0.0, 1.0))
     L = gz.flipper("L", (1.5, 1.5), 1.5, 0.2, -0.5, 0.5, gz.newton(0.8), up=8.0, down=4.0)
