@@ -97,7 +97,7 @@ def landed(surface: int, t: float, x: float, y: float, vx: float, vy: float, clo
     return (owner, flags, left), before, after, speeds
 
 
-@unit
+@inlined
 def cleared(
     surface: int, left: int, x: float, y: float, vx: float, vy: float, clock: float, table: Any
 ) -> Any:  # fmt: skip
@@ -133,7 +133,7 @@ def cleared(
     return x, y, reach, beside
 
 
-@inlined
+@unit
 def at_foot(
     surface: int, left: int, now: float, x: float, y: float, v: Any, after: Any, normal: Any, clock: float, table: Any
 ) -> Any:  # fmt: skip

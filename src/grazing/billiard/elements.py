@@ -34,7 +34,7 @@ from grazing.billiard.rows import (
 from grazing.billiard.swing import swung
 from grazing.billiard.turning import normal_at
 from grazing.kernel.elementary import arccos, arctan2, sincos
-from grazing.kernel.primitives import behind, inlined
+from grazing.kernel.primitives import behind, inlined, unit
 
 INFINITY = float("inf")
 #: Longer than any way along an element that has ends.
@@ -155,7 +155,7 @@ def rises(line: Any, x: float, y: float, nx: float, ny: float) -> Any:
     return max(begin, begin + span * (nx * -ay + ny * ax)) > SAME * span
 
 
-@inlined
+@unit
 def shares_end(el: Any, other: Any, x: float, y: float, width: float) -> Any:
     """Say whether the nearer end of an element is on another one."""
     more, less = to_end(el, x, y, 1.0), to_end(el, x, y, -1.0)

@@ -10,7 +10,7 @@ from typing import Any
 
 from grazing.billiard.gaps import DEEP, EPS, GAP, face_crossing, face_root, rests, touches
 from grazing.billiard.rows import COSINE, EX, EY, LONG, MX, MY, OWNER, PX, PY, SIGN, SIZE, WIDTH
-from grazing.kernel.primitives import behind, inlined
+from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, STUCK
 
 INFINITY = float("inf")
@@ -76,7 +76,7 @@ def joint(last: int, faces: int, circles: int, rows: Any, x: float, y: float, ex
     return nx * ex + ny * ey if on else 0.0, room > e
 
 
-@inlined
+@unit
 def closing(
     last: int, faces: int, circles: int, rows: Any, row: Any, sign: float, far: float, here: bool, e: float
 ) -> float:  # fmt: skip
@@ -102,7 +102,7 @@ def slack_of(row: Any, x: float, y: float) -> Any:
     return CORNER * GAP * EPS * (abs(x) + abs(y) + abs(x - row[PX]) + abs(y - row[PY]) + row[LONG])
 
 
-@inlined
+@unit
 def face_corner(
     row: Any, x: float, y: float, vx: float, vy: float, last: int, faces: int, circles: int, rows: Any
 ) -> Any:  # fmt: skip

@@ -98,7 +98,7 @@ def closes(el: Any, other: Any, x: float, y: float, way: float, width: float) ->
     return gap_of(other, x, y) >= -width
 
 
-@inlined
+@unit
 def meets(el: Any, at: int, s: float, x: float, y: float, why: int, width: float, clock: float, table: Any) -> Any:
     """Say whether a ball touches what it is about to hit, or a wall at whose foot it is put aside."""
     if why != HITS or s <= width:
