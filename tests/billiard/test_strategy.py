@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.outcome import TOO_MANY_IMPACTS
 
 LAW, STROKE = gz.newton(0.8), {"up": 14.0, "down": 9.0}
 LEFT = gz.flipper("L", (1.2, 1.0), 1.45, (0.2, 0.12), -0.5, 0.6, LAW, **STROKE)
@@ -102,6 +103,19 @@ def test_launches_are_those_of_trajectories():
             assert found.hits.values[i, j] == min(flown.sizes["impact"], 60)
     assert table(yes) == table(yes) != table(no) and pickle.loads(pickle.dumps(table(yes))) == table(yes)
     assert table(yes).config["strategy"] != table(no).config["strategy"]
+
+
+def test_launches_that_a_kernel_follows_are_those_that_only_python_does_and_hits_are_impacts():
+    """Ways to gates and along walls were counted as hits, and a launch was given up before it had as many."""
+    angle, speed = np.linspace(0.3, 2.8, 25)[[0, 2, 6, 7]], np.linspace(0.2, 3.0, 20)[[1, 7, 8]]
+    flips = lambda s, _p: s[0] > 2.0 and s[3] < 0.0, lambda s, p: s[0] > 2.0 and s[3] < 0.0 < p["L.x"]
+    followed = gz.launches(table(flips[0]), (2.0, 4.0), angle, speed, hits=60)
+    alone = gz.launches(table(flips[1]), (2.0, 4.0), angle, speed, hits=200)
+    given_up = (followed.outcome.values & TOO_MANY_IMPACTS) != 0
+    assert 0 < given_up.sum() < given_up.size and (followed.hits.values[given_up] == 60).all()
+    assert (alone.hits.values[given_up] >= 60).all()
+    for name in ("exit", "hits", "time"):
+        assert (followed[name].values == alone[name].values)[~given_up].all()
 
 
 def broken(_state, _p):
