@@ -122,6 +122,18 @@ def broken(_state, _p):
     raise ZeroDivisionError("by zero")
 
 
+def picky(state, _p):
+    if state[3] < 0.0:
+        raise ValueError("it falls")
+    return True
+
+
+def orbits_of(flip):
+    """Iterate the map of launches of a table with this strategy, as studies do."""
+    grid = {"angle": [1.4, 1.6], "speed": [0.5, 0.6]}
+    return gz.basins(gz.launch_map(table(flip), (2.0, 4.0)), grid, transient=1, keep=2)
+
+
 @pytest.mark.parametrize(
     ("made", "said"),
     [
@@ -138,6 +150,8 @@ def broken(_state, _p):
         (lambda: gz.trajectory(table(broken), (2.0, 4.0, 0, 0), until=9.0), "the strategy raised ZeroDivisionError"),
         (lambda: gz.trajectory(table(lambda s, p: float("nan")), (2.0, 4.0, 0, 0), until=9.0), "returned nan for the"),
         (lambda: gz.launches(table(lambda s, p: None), (2.0, 4.0), [0.0], [0.0]), "returned None for the ball"),
+        (lambda: gz.launches(table(picky), (2.0, 4.0), [1.5], [0.5]), "the strategy raised ValueError: it falls.* for"),
+        (lambda: orbits_of(picky), "the strategy (or a reset law of launch map )?raised ValueError: it falls"),
     ],
 )
 def test_what_is_no_strategy_is_refused(made, said):

@@ -20,7 +20,7 @@ from grazing.billiard.table import AWAY, Table
 from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import abreast_loop
-from grazing.maps.collisions import blocks_of, checked_table, fastest, plain_block
+from grazing.maps.collisions import asked_of, blocks_of, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.launch import (
@@ -101,7 +101,7 @@ class OfLaunches(Origin):
     together = TOGETHER
 
     def __init__(self, table: Table, own: Sequence[str]) -> None:
-        self.table = table
+        self.table, self.asks = table, asked_of(table)
         names = [*table.params, *own]
         #: Where the numbers of a launch stand in a row of parameters.
         self.where = [names.index(name) for name in (*(PLACE if len(own) == 1 else POINT), HITS_OF)]
