@@ -48,6 +48,8 @@ def models():
     forced = gz.Forcing(2.8, t0=0.1, offset=0.05, cos=(1.0, 0.2), sin=(0.1,))
     for name, law in laws():
         yield name, gz.Oscillator(0.1, 1.0, forced, law, sigma=-0.1)
+    shaken = gz.wall(0.5, gz.newton(0.6), motion=gz.Forcing(5.6, t0=0.3, cos=(0.01,)))
+    yield "walls", gz.Oscillator(0.1, 0.5, forced, walls=(gz.wall(-0.5, gz.newton(0.8)), shaken))
 
 
 def laws():
@@ -88,6 +90,7 @@ def found():
     yield "searched", orbits.searched
     branch = gz.continuation(G, orbits[0], "mu", (0.4, 0.6))
     yield "branch", branch
+    yield "special point", branch.special[0]
     yield "orbit of pieces", next(iter(branch))
     yield "impact orbit", one_impact_orbits(ball, 3)[-1]
     discs = [gz.disc(name, (x, 0.0), 1.0, gz.newton(1.0)) for name, x in (("A", 0.0), ("B", 6.0))]

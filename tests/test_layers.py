@@ -68,8 +68,8 @@ FORBIDDEN = {"cli": {"numpy", "scipy"}}
 SYSTEMS = ("grazing.oscillator", "grazing.systems", "grazing.billiard")
 NAME_NO_SYSTEM = {
     "grazing.maps.bordered", "grazing.maps.columns", "grazing.maps.derivative", "grazing.maps.hits", "grazing.maps.map",
-    "grazing.maps.origin", "grazing.maps.pieces", "grazing.maps.pointed", "grazing.maps.settle",
-    "grazing.studies", "grazing.catalogue", "grazing.sweep", "grazing.plot", "grazing.cli",
+    "grazing.maps.origin", "grazing.maps.own_step", "grazing.maps.pieces", "grazing.maps.pointed",
+    "grazing.maps.settle", "grazing.studies", "grazing.catalogue", "grazing.sweep", "grazing.plot", "grazing.cli",
 }  # fmt: skip
 # In these parts others still serve one system only, such as the closing equations of an oscillator's impacts.
 NAME_NO_SYSTEM |= {
@@ -77,9 +77,9 @@ NAME_NO_SYSTEM |= {
     for part, names in {
         "orbits": "adding_tree branch branch_search branch_table branch_windows corrector curves equations events "
                   "even_equations finder gap_boundaries gap_orbits locus manifold manifold_growth manifold_steps "
-                  "map_equations one_sided orbit path periodic piece_end piece_equations point_equations "
-                  "search_map search_pieces search_steps search_windows special word",
-        "proof": "check expression gap gap_branch gap_chaos repeats search text",
+                  "map_equations one_sided orbit path periodic piece_end piece_equations piece_letters piece_orbit "
+                  "point_equations search_map search_pieces search_steps search_windows special switching word",
+        "proof": "check expression gap gap_branch gap_chaos repeats same_model search text",
         "compare": "bifurcation_diagram edges orders search word_branches",
         "config": "build check command files problems settings values",
     }.items()

@@ -30,3 +30,11 @@ def test_half_of_the_memory_is_the_limit(monkeypatch):
     with pytest.raises(InputError) as refused:
         refuse_too_large(1_000_000_001, "reduce it")
     assert str(refused.value) == ("the result would take 1 GB, more than half of the memory (2 GB); reduce it")
+
+
+def test_the_limit_of_a_process_is_memory_too(monkeypatch):
+    """``ulimit -v``: what was foreseen to fit ended in an error of the machine."""
+    monkeypatch.setattr(memory, "physical_memory", lambda: None)
+    monkeypatch.setattr(memory, "address_space", lambda: 2_000_000_000)
+    with pytest.raises(InputError, match=r"more than half of the memory \(2 GB\)"):
+        refuse_too_large(1_000_000_001, "reduce it")

@@ -5,11 +5,14 @@ import os
 import signal
 import threading
 import time
+import warnings
 
 import pytest
 
+from grazing import pool
 from grazing.outcome import InputError
 from grazing.pool import run_tasks
+from grazing_checker import balls
 
 #: Seconds after which an endless task gives up, so that a pool that does not stop fails and does not hang.
 PATIENCE = 20.0
@@ -160,3 +163,26 @@ def test_no_number_of_threads_is_one_per_processor(monkeypatch):
 
     run_tasks([task] * 3)
     assert sorted(met) == [0, 1, 2]
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes")
+@pytest.mark.parametrize("lock", [pool.LOCK, balls.LOCK], ids=["finder", "checker"])
+def test_a_fork_does_not_wait_for_the_precision_that_another_thread_works_with(lock):
+    taken, over = threading.Event(), threading.Event()
+
+    def work():
+        with lock:
+            taken.set()
+            over.wait()
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    taken.wait()
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of a fork where there are threads
+        pid = os.fork()
+    if not pid:
+        os._exit(not lock.acquire(timeout=0.2))
+    assert os.waitpid(pid, 0)[1] == 0
+    over.set()
+    thread.join()

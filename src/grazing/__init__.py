@@ -28,7 +28,7 @@ _PUBLIC = {
     "InputError": "outcome",
     "Outcome": "outcome",
     "OutsideForm": "outcome",
-    "PieceOrbit": "orbits.piece_equations",
+    "PieceOrbit": "orbits.piece_orbit",
     "Trust": "outcome",
     "UserCodeError": "outcome",
     "describe": "outcome",
@@ -180,7 +180,7 @@ if TYPE_CHECKING:
     from grazing.orbits.periodic import Orbits as Orbits
     from grazing.orbits.periodic import Searched as Searched
     from grazing.orbits.periodic import periodic_orbits as periodic_orbits
-    from grazing.orbits.piece_equations import PieceOrbit as PieceOrbit
+    from grazing.orbits.piece_orbit import PieceOrbit as PieceOrbit
     from grazing.orbits.sensitivity import sensitivity as sensitivity
     from grazing.orbits.windows import windows as windows
     from grazing.orbits.word import words as words

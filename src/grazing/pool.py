@@ -16,6 +16,8 @@ from grazing.parameter import whole
 
 #: Working precision of balls belongs to the process, not to the thread: who sets it holds this for so long.
 LOCK = RLock()
+if hasattr(os, "register_at_fork"):  # a fork has none of the other threads, and waits for none
+    os.register_at_fork(after_in_child=LOCK._at_fork_reinit)  # type: ignore[attr-defined]
 
 Progress = Callable[[int, int], Any]
 #: A task does its work tile by tile, each well under 0.2 s, and yields after every tile.

@@ -12,6 +12,7 @@ and the functions below. Another arithmetic that does this may stand in the plac
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from threading import RLock
@@ -21,6 +22,8 @@ from flint import arb, arb_poly, ctx
 Ball = arb
 #: The working precision belongs to the process, so one certificate is checked at a time.
 LOCK = RLock()
+if hasattr(os, "register_at_fork"):  # a fork has none of the other threads, and waits for none
+    os.register_at_fork(after_in_child=LOCK._at_fork_reinit)  # type: ignore[attr-defined]
 
 
 @contextmanager

@@ -1,9 +1,13 @@
 """Bounds of gaps along a flight, and their roots."""
 
+import threading
+
 import numpy as np
 import pytest
+from flint import ctx
 
 from grazing.billiard.gaps import crossing, face_crossing, highest, landing, lowest, safe_step
+from grazing.billiard.roots import precision
 from grazing.outcome import AMBIGUOUS, GRAZE
 
 
@@ -62,3 +66,19 @@ def test_a_face_is_crossed_where_the_quadratic_falls_through_zero():
         assert t == float("inf") or 0.0 < late < 1e-10
     assert face_crossing(1.0, -2.0, 1.0, 1e-16, 1e-16, False)[2] == GRAZE | AMBIGUOUS
     assert face_crossing(0.0, 2.0, -1.0, 1e-16, 1e-16, True)[0] == 2.0
+
+
+def test_the_precision_of_the_process_is_set_by_one_thread_at_a_time():
+    """Each left the other's behind."""
+    before, inside = ctx.prec, threading.Event()
+
+    def work():
+        with precision(301):
+            inside.set()
+
+    thread = threading.Thread(target=work)
+    with precision(300):
+        thread.start()
+        assert not inside.wait(0.05) and ctx.prec == 300
+    thread.join()
+    assert inside.is_set() and ctx.prec == before

@@ -14,7 +14,7 @@ from grazing.billiard.workspace import LANES, W, room_for
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import column
 from grazing.kernel.primitives import numbers
-from grazing.maps.collide import Place, collision, timed_collision
+from grazing.maps.collide import STEADY, TIMED, Place
 from grazing.maps.launch import ROUNDS, Found, fly, heading, launch, launcher
 from tests.billiard.tables import box, layout, mixed, three_discs
 
@@ -74,7 +74,7 @@ def test_steps_from_impact_to_impact_have_the_bits_of_orbits_one_by_one(name, n)
     P = gz.collision_map(table, on="bumper3" if name == "classic" else None)
     lanes = np.array([random.uniform(low, high, n) for low, high in P.box])
     lanes[0, : n // 3] += np.linspace(0.0, 60.0, n // 3)
-    block, step = table.blocks(table.row())[0], timed_collision if table.period else collision
+    block, step = table.blocks(table.row())[0], (TIMED if table.period else STEADY).step
 
     def one_by_one(block, lanes, points, letters, outcomes):
         for j in range(lanes.shape[1]):

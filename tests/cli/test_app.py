@@ -264,6 +264,23 @@ def test_a_setting_with_which_another_package_cannot_work_is_not_passed_on(name,
     assert main(["--version"]) == 0 and name not in os.environ
 
 
+@pytest.mark.parametrize("room", [400_000_000, 999_999_999])
+def test_too_few_addresses_are_said_before_packages_that_would_not_end(room, monkeypatch, report, capsys):
+    """SciPy's BLAS asks again and again for what it does not get."""
+    monkeypatch.setattr(sys.modules["grazing.cli.app"], "address_space", lambda: room)
+    assert main(["paper"]) == 1 and not report.calls
+    said = capsys.readouterr().err
+    assert said.startswith("error: this process may take ") and "ulimit -v" in said
+
+
+def test_threads_that_nobody_asked_for_are_not_begun(monkeypatch):
+    for given, kept in ((None, "1"), ("3", "3")):
+        monkeypatch.delenv("OPENBLAS_NUM_THREADS", raising=False)
+        if given:
+            monkeypatch.setenv("OPENBLAS_NUM_THREADS", given)
+        assert main(["--version"]) == 0 and os.environ["OPENBLAS_NUM_THREADS"] == kept
+
+
 def test_a_full_disk_under_the_standard_output_is_named(report, capsys):
     report.raises = OSError(28, "No space left on device")
     assert main(["paper"]) == 1

@@ -85,6 +85,20 @@ def test_an_interrupt_while_packages_are_imported_is_no_traceback(tmp_path):
     assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
 
 
+def test_an_interrupt_in_a_finaliser_is_not_lost(tmp_path):
+    """Python drops what is raised there: the command went on as if nobody had stopped it."""
+    ended = "class Ended:\n    def __del__(self):\n        signal.raise_signal(signal.SIGINT)\n"
+    ours = "signal.signal(signal.SIGINT, signal.default_int_handler)"  # in the background it is ignored
+    (tmp_path / "cyclopts.py").write_text(f"import signal, time\n{ours}\n{ended}Ended()\ntime.sleep(20)\n")
+    started = time.monotonic()
+    done = subprocess.run(
+        [sys.executable, "-c", "import sys; from grazing.__main__ import main; sys.exit(main())"],
+        cwd=tmp_path, env=settings(), capture_output=True, text=True,
+    )  # fmt: skip
+    assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
+    assert time.monotonic() - started < 15
+
+
 # ---- streams
 
 

@@ -78,3 +78,72 @@ def test_no_line_is_lost_where_a_picture_is_made_smaller(shown, address):
         }"""
     )
     assert empty == 0
+
+
+SHOWN_IN_PINNED = """() => {
+  const canvas = document.getElementById("pinned"), c = canvas.getContext("2d");
+  const { data } = c.getImageData(0, 0, canvas.width, canvas.height);
+  let sum = 0;
+  for (let i = 0; i < data.length; i += 4) sum = (31 * sum + data[i]) % 1000003;
+  return [canvas.width, canvas.height, sum, canvas.getAttribute("aria-label")];
+}"""
+
+
+def settled(shown):
+    shown.until("() => document.getElementById('pinned').dataset.stage === 'done'")
+    shown.settle()
+
+
+@pytest.mark.parametrize(
+    ("link", "field", "value"),
+    [(f"{GAP}&theory=no", "l", "0.3"), ("version=1&view=oscillator&columns=24&bins=20&reduced=no", "V", "0.1")],
+)
+def test_what_is_pinned_is_part_of_the_link(shown, address, link, field, value):
+    shown.open(f"{address}#{link}")
+    shown.page.click("#pin")
+    shown.page.fill(f"input[type=number][name={field}]", value)
+    shown.page.keyboard.press("Enter")
+    settled(shown)
+    link, seen = shown.link(), shown.page.evaluate(SHOWN_IN_PINNED)
+    assert "pinned=" in link and f"{field} = " in seen[-1]
+    shown.page.goto("about:blank")
+    shown.open(link)
+    settled(shown)
+    assert shown.page.evaluate(SHOWN_IN_PINNED) == seen
+    assert shown.problem() == ""
+    shown.page.click("#pin")
+    assert "pinned=" not in shown.link()
+
+
+def test_a_figure_is_compared_with_another(shown, address):
+    shown.open(f"{address}#{GAP}")
+    shown.page.select_option("#preset", "3.3a")
+    shown.settle()
+    shown.page.click("#pin")
+    shown.page.select_option("#preset", "3.3c")
+    settled(shown)
+    assert shown.page.get_attribute("#pinned", "aria-label").startswith("The pinned: l = 0,")
+    assert shown.page.input_value("#preset") == "3.3c"
+
+
+@pytest.mark.parametrize(
+    ("pinned", "said"),
+    [
+        ("view%3Dchart", "the view chart is pinned"),
+        ("view%3Dgap%26lam%3Dx", "lam=x is not a number"),
+        ("view%3Dgap%26pinned%3Dview%253Dball", "the view ball is pinned"),
+    ],
+)
+def test_a_pinned_setting_that_cannot_be_read_is_explained(shown, address, pinned, said):
+    shown.open(f"{address}#{GAP}&pinned={pinned}")
+    assert said in shown.problem()
+    assert not shown.page.is_visible("#pinned")
+
+
+def test_what_is_pinned_is_saved_with_the_picture(shown, address):
+    shown.open(f"{address}#{GAP}&pinned={GAP.replace('version=1&', '').replace('=', '%3D').replace('&', '%26')}")
+    settled(shown)
+    with shown.page.expect_download() as kept:
+        shown.page.click("[data-save=svg]")
+    text = kept.value.path().read_text(encoding="utf-8")
+    assert text.count("<image") == 2 and ">pinned<" in text

@@ -100,6 +100,30 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown)
 
 
+@pytest.mark.parametrize("view", ["ball", "gap", "oscillator", "tour"])
+def test_a_narrow_screen_is_filled_too(browser, address, view):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    shown = Shown(context.new_page())
+    shown.open(f"{address}#version=1&{VIEWS[view]}")
+    shown.page.tap("#present")
+    assert presenting(shown)
+    shown.until(f"async () => await ({DRAWN})() > 17.999")
+    assert shown.page.evaluate(SMALLEST)[0] >= 18
+    size = "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
+    assert shown.page.evaluate(size) == [844, 390]
+    picture = shown.page.locator("main .view:not([hidden]) .first").bounding_box()
+    slider = shown.page.locator(".control.turned").bounding_box()
+    assert picture["height"] > 200 and picture["y"] + picture["height"] <= slider["y"]
+    assert slider["y"] + slider["height"] <= 844
+    if AXE.exists():
+        shown.page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = shown.page.evaluate("() => axe.run()")["violations"]
+        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+    shown.page.tap("#end")
+    assert not presenting(shown) and shown.errors == []
+    context.close()
+
+
 def test_keys_are_at_hand_before_a_room(shown, address):
     shown.open(f"{address}#version=1&view=ball&offset=0.14&tour=1")
     shown.page.keyboard.press("p")
@@ -220,3 +244,36 @@ def test_the_title_of_a_step_and_its_buttons_share_a_line_before_a_room(browser,
     top = "id => document.getElementById(id).getBoundingClientRect().top"
     assert abs(shown.page.evaluate(top, "guide-title") - shown.page.evaluate(top, "next")) < 20
     context.close()
+
+
+@pytest.mark.parametrize(("size", "least"), [((1920, 1080), 24), ((1280, 800), 24), ((390, 844), 18)])
+def test_the_table_before_a_room(browser, address, size, least):
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, has_touch=size[0] < 700)
+    shown = Shown(context.new_page())
+    shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.until("() => window.pinball && pinball.game()?.t > 0 && pinball.exits()?.shares")
+    shown.page.click("#present")
+    assert presenting(shown) and shown.page.evaluate(SMALLEST)[0] >= least
+    around = "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
+    assert shown.page.evaluate(around) == [size[1], size[0]]
+    box = shown.page.locator("#table").bounding_box()
+    assert box["height"] > 0.6 * size[1] and box["y"] + box["height"] <= size[1]
+    if least == 24:  # where a hand points is where the picture says
+        shown.page.mouse.click(*(x + 0.6 * s for x, s in corner(shown.page.locator("#exits").bounding_box())))
+        shown.until("() => pinball.exits().chosen")
+        (angle, speed), (x, y), (left, top) = shown.page.evaluate(
+            "() => { const e = pinball.exits(), a = e.axes, r = a.canvas.getBoundingClientRect(); return [e.chosen, "
+            "[a.zoom * a.x(e.chosen[0]), a.zoom * a.y(e.chosen[1])], [0.6 * r.width, 0.6 * r.height]]; }"
+        )
+        assert abs(x - left) < 1 and abs(y - top) < 1 and 0 < angle < 6.3 and speed > 0
+    if AXE.exists():
+        shown.page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = shown.page.evaluate("() => axe.run()")["violations"]
+        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+    shown.page.keyboard.press("f")
+    assert not presenting(shown) and shown.errors == []
+    context.close()
+
+
+def corner(box):
+    return (box["x"], box["width"]), (box["y"], box["height"])

@@ -187,19 +187,6 @@ def test_a_kick_is_changed_in_the_row(machine, tables):
     np.testing.assert_array_equal(found[:n, NEXT:PATH], truth[:n, NEXT:PATH])
 
 
-def test_how_near_a_flight_comes(machine, tables):
-    played, T = Played(machine, tables, "one_bumper"), read_table("one_bumper")
-    (j, disc), *_ = [(j, one) for j, one in enumerate(T.objects) if one.kind == "disc"]
-    x, y, radius = disc.shape.values()
-    state = np.array([x - 3.0, y + radius + T.rho + 0.25, 2.0, 0.5 * T.gravity * 1.5])
-    found = played.machine.call(
-        "nearest", numbers=len(played.block), block=played.block, state=state, length=3.0, owner=j
-    )
-    t = np.linspace(0.0, 3.0, 2_000_001)
-    far = np.hypot(state[0] + 2.0 * t - x, state[1] + (state[3] - 0.5 * T.gravity * t) * t - y) - radius - T.rho
-    assert found == pytest.approx(far.min(), abs=1e-9)
-
-
 def test_tables_are_described_without_addresses_of_a_process():
     one, two = described_table("classic"), described_table("classic")
     assert one == two

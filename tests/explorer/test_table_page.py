@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.distance import distance
 from tests.explorer.test_page import AXE
 
 GAME = "pinball.game()"
@@ -82,6 +83,56 @@ def test_a_game_by_keys_is_the_same_in_python_and_from_its_link(shown, address):
     assert hits(page) == there
 
 
+def test_a_game_with_nudges_is_the_same_in_python_and_from_its_link(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
+    hold(page)
+    random = np.random.default_rng(7)
+    for i in range(60):
+        page.keyboard.press(["ArrowLeft", "ArrowUp", "ArrowRight", "a", "d"][i % 5])
+        play(page, float(random.uniform(0.3, 0.9)))
+    there, nudges = hits(page), page.evaluate(f"() => {GAME}.nudges.map(n => n.t)")
+    assert len(there) > 20 and len(nudges) > 3
+    page.click("[data-copy=python]")
+    program, scope = page.evaluate("() => navigator.clipboard.readText()"), {}
+    exec(program.replace("gz.plot.table(T, flown[-1])", "").replace("print(", "found = ("), scope)
+    assert page.evaluate(f"() => {GAME}.unsure") == 0
+    assert scope["found"] == (there, page.evaluate(f"() => {GAME}.end"))
+    page.click("[data-copy=link]")
+    link = page.evaluate("() => navigator.clipboard.readText()")
+    page.goto("about:blank")
+    page.goto(link)
+    shown.until("() => window.pinball && pinball.game()?.t > 0")
+    hold(page)
+    play(page, 60.0, 0.05)  # other frames than before: the same game
+    assert hits(page) == there and page.evaluate(f"() => {GAME}.nudges.map(n => n.t)") == nudges
+
+
+def test_a_nudge_moves_the_balls_in_the_air_and_too_many_tilt(shown, address):
+    page = opened(shown, address)
+    page.evaluate("() => pinball.launch([2.5, 6.0, 0.1, 3.0])")
+    hold(page)
+    page.evaluate("() => { pinball.split(); pinball.step(0.02); }")
+    speeds = f"() => [{GAME}.place[3], {GAME}.places[3]]"
+    before = page.evaluate(speeds)
+    page.keyboard.press("ArrowUp")
+    page.evaluate("() => pinball.step(1e-9)")
+    after, size = page.evaluate(speeds), 0.1 * page.evaluate(f"() => {GAME}.table.from[2]")
+    np.testing.assert_allclose(np.subtract(after, before), size, rtol=1e-6)
+    page.keyboard.down("ArrowLeft")
+    assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 1
+    for key in "ad":
+        page.evaluate("() => pinball.step(0.02)")
+        page.keyboard.press(key)
+    assert "TILT" in page.inner_text("#said") and page.evaluate(f"() => {GAME}.tilted")
+    assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 2  # it fell
+    page.keyboard.up("ArrowLeft")
+    page.keyboard.down("ArrowRight")
+    assert page.evaluate(f"() => {GAME}.presses.right_flipper.length") == 0
+    page.evaluate("() => pinball.plunge(0.7)")
+    assert not page.evaluate(f"() => {GAME}.tilted")
+
+
 def test_flippers_work_as_long_as_the_ball_flies(shown, address):
     page = opened(shown, address)
     page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
@@ -113,6 +164,52 @@ def test_letters_are_typed_as_bumpers_are_hit(shown, address):
     names = dict(zip(["bumper1", "bumper2", "bumper3", "left_sling", "right_sling"], "ABCDE", strict=True))
     word = "".join(names.get(name, "") for name in hits(page))
     assert word and page.inner_text("#word") == word[-40:]
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("bumper1", "Missed A by"),
+        ("left_sling", "Missed D by"),
+        ("left_flipper", "Missed the left flipper by"),
+        ("left_guide", "Missed the left guide by"),
+    ],
+)
+def test_what_is_missed_by_a_hair_is_told(shown, address, name, said):
+    """The ball flies past, 1 mm off at its nearest; the least distance is that of Python's formulas."""
+    page = opened(shown, address)
+    T = gz.read_table("classic")
+    one, g = T.objects[T.names.index(name)], T.gravity
+    x, y, vx, vy = past(one, T.rho, g)
+    page.evaluate("state => { pinball.launch(state); pinball.pause(); }", [float(v) for v in (x, y, vx, vy)])
+    told = []
+    for _ in range(30):
+        page.evaluate("() => pinball.step(0.002)")
+        told.append(page.inner_text("#said"))
+    assert page.evaluate(f"() => {GAME}.hits.length") == 0
+    (text,) = {each for each in told if each.startswith(said)}
+    t = np.linspace(0.0, 0.06, 60_001)
+    angle = one.shape.get("rest", 0.0)
+    far = min(distance(one, x + vx * s, y + (vy - 0.5 * g * s) * s, angle) for s in t) - T.rho
+    assert abs(far - 0.01) < 1e-3
+    assert re.search(rf"by {far / 0.01:.2g}\d* mm: ", text) or text.startswith(f"{said} {far / 0.01:.2} mm: ")
+    jump = name in ("bumper1", "left_sling")
+    assert ("here your future splits in two" in text) == jump
+
+
+def past(one, rho, g, off=0.01, late=0.03, speed=6.0):
+    """Return a state from which a ball comes within ``off`` of an object after some time, and not nearer."""
+    shape = one.shape
+    if one.kind == "disc":
+        px, py, nx, ny = shape["x"], shape["y"] + shape["radius"], 0.0, 1.0
+    elif one.kind == "flipper":
+        nx, ny = np.cos(shape["rest"]), np.sin(shape["rest"])
+        px, py = shape["x"] + (shape["length"] + shape["tip"]) * nx, shape["y"] + (shape["length"] + shape["tip"]) * ny
+    else:  # the end that stands higher
+        (px, py), (qx, qy) = sorted(((shape["x1"], shape["y1"]), (shape["x2"], shape["y2"])), key=lambda p: -p[1])
+        nx, ny = np.array([px - qx, py - qy]) / np.hypot(px - qx, py - qy)
+    x, y, vx, vy = px + (rho + off) * nx, py + (rho + off) * ny, speed * ny, -speed * nx
+    return x - vx * late, y - vy * late - 0.5 * g * late**2, vx, vy + g * late
 
 
 def test_near_balls_part_and_their_rate_is_told(shown, address):
@@ -203,6 +300,8 @@ def test_thumbs_on_a_telephone(browser, address):
         ("#table=classic&bumper1.V=-1", "0 or more"),
         ("#table=classic&start=1,2,3,4&left_flipper.pressed=2,1", "do not rise"),
         ("#table=classic&tilt=abc", "no numbers"),
+        ("#table=classic&start=1,2,3,4&nudges=1,2,3", "five numbers each"),
+        ("#table=classic&start=1,2,3,4&nudges=2,1,1,1,1,1,1,1,1,1", "do not rise"),
         ("#v=99&table=classic", "newer version"),
     ],
 )

@@ -278,3 +278,45 @@ def test_a_mark_changes_the_hash():
 
     before = digest(marked)
     assert digest(inlined(marked)) != before
+
+
+FORKED = """
+import os, signal, sys, threading, warnings
+import numba.core.compiler_lock as theirs
+from grazing.kernel import compile as ours
+from grazing.outcome import GrazingError
+
+warnings.simplefilter("ignore")
+owner = {"ours": ours, "numba's": theirs.global_compiler_lock}[sys.argv[1]]
+taken, over = threading.Event(), threading.Event()
+
+def work():
+    with owner._lock:
+        taken.set()
+        over.wait()
+
+thread = threading.Thread(target=work)
+thread.start()
+taken.wait()
+pid = os.fork()
+if not pid:
+    signal.alarm(10)
+    try:
+        ours.call(ours.compiled(lambda x: 3.0 * x + 17.25), 2.0)
+    except GrazingError as error:
+        print(error, flush=True)
+    os._exit(0)
+print(os.waitpid(pid, 0)[1])
+over.set()
+thread.join()
+print(ours.compiled(lambda x: 3.0 * x + 17.25)(2.0))
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="processes")
+@pytest.mark.parametrize("lock", ["ours", "numba's"])
+def test_a_process_forked_while_another_thread_compiles_says_so(lock, tmp_path):
+    """It waited for a thread that is not there."""
+    done = python(FORKED, lock, env={**os.environ, "NUMBA_DISABLE_JIT": "0", "GRAZING_CACHE": str(tmp_path)})
+    said, status, value = done.stdout.splitlines()
+    assert "was forked while another thread compiled" in said and (status, value) == ("0", "23.25")

@@ -93,6 +93,29 @@ def test_beyond_the_escape_there_is_none():
     assert np.isnan(P.jacobian((0.5,))).all()  # one of the neighbours has left
 
 
+def tripled(state, p):
+    """x -> 3 x mod 1: it jumps without a letter."""
+    return (3.0 * state[0] % 1.0,)
+
+
+def bent(state, p):
+    """A kink at 0 that letters tell of."""
+    (x,) = state
+    return (p.left * x if x < 0.0 else p.right * x,), 0 if x < 0.0 else 1
+
+
+def test_no_difference_is_taken_across_a_jump_or_a_kink():
+    """Slopes next to jumps were some 1e5: exponents of x -> 3 x mod 1 were too large by five times their error."""
+    jumps, kinks = gz.Map(tripled, box=((0.0, 1.0),)), gz.Map(bent, {"left": 0.5, "right": -2.0}, letters="LR")
+    for x in (1 / 3 - 1e-7, 1 / 3 + 1e-7, 0.0, 1.0 - 1e-9):
+        assert jumps.jacobian((x,)) == pytest.approx(3.0, rel=1e-9)
+    for x, slope in ((-1e-9, 0.5), (0.0, -2.0), (1e-9, -2.0)):
+        assert kinks.jacobian((x,)) == pytest.approx(slope, rel=1e-9)
+    found = gz.lyapunov(jumps, starts=4, steps=200_000, threads=1)
+    assert (abs(found.exponent - np.log(3.0)) < 2.0 * found.exponent_error).all()
+    assert (found.exponent_error < 1e-9).all()
+
+
 def tent(state, p):
     (x,) = state
     if x < 0.0:

@@ -473,3 +473,20 @@ def test_where_two_pieces_meet_the_table_has_one_row():
     for i, (kind, piece, to) in enumerate(rows):
         mirrored = [j for j in range(i) if rows[j] == (kind, to, piece) and abs(values[j] - values[i]) < 1e-9]
         assert not mirrored
+
+
+def spun(state, p):
+    """A rotation in a plane that is stretched by a and d, beside a coordinate that goes its own way."""
+    x, y, z = state
+    c, s = np.cos(p.t), np.sin(p.t)
+    return p.a * (c * x - s * y), p.d * (s * x + c * y), p.b * z
+
+
+@pytest.mark.parametrize(("a", "d", "t", "b"), [(1.0, 1.0, 1.0, -1.6), (1.0, 1.0, 1.0, 0.25), (0.8, 1.25, 0.0, 0.1)])
+def test_a_saddle_turns_too_and_real_multipliers_do_not(a, d, t, b):
+    """Of three multipliers the greatest was looked at: a torus beside a real one outside the circle was dropped."""
+    params = {"a": 0.95 * a, "d": d, "t": t, "b": b}
+    P = gz.Map(spun, params, ("x", "y", "z"), ((-1.0, 1.0),) * 3)
+    (orbit,) = gz.periodic_orbits(P, 1, starts=20)
+    found = [(one.type, one.converged, one.value) for one in gz.continuation(P, orbit, "a", (0.9 * a, 1.1 * a)).special]
+    assert found == ([("ns", True, pytest.approx(a, abs=1e-9))] if t else [])

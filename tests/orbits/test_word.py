@@ -1,5 +1,4 @@
 import itertools
-import math
 
 import pytest
 from hypothesis import given
@@ -7,7 +6,7 @@ from hypothesis import strategies as st
 
 import grazing as gz
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
-from grazing.orbits.word import impacts_and_periods, least_rotation, letters_of, primitive, word, words
+from grazing.orbits.word import least_rotation, letters_of, primitive, word, words
 
 SEQUENCES = st.lists(st.integers(-2, 3), min_size=1, max_size=12)
 COUNTS = st.lists(st.integers(-2, 25), min_size=1, max_size=12)
@@ -74,15 +73,6 @@ def test_words_of_orbits():
     assert word(gap[-3:], "LR") == "LLR"
     ball = gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4)).orbit((0.1, 0.0), 300).letters
     assert word(ball[-3:]) == "001"
-
-
-def test_impacts_and_periods():
-    assert impacts_and_periods((0, 0, 1, 0, 0, 1)) == (2, 6)
-    assert impacts_and_periods((2, STUCK_LETTER)) == (2, 2)
-    assert impacts_and_periods((0, CHATTER_LETTER)) == (math.inf, 2)
-    # an impact that crosses the strobe changes the word, but not the pair
-    assert word((2, 0)) != word((1, 1))
-    assert impacts_and_periods((2, 0)) == impacts_and_periods((1, 1))
 
 
 def moebius(n):

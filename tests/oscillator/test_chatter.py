@@ -16,7 +16,8 @@ from grazing.kernel.compile import jit_disabled
 from grazing.maps import period
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.contact import chatter_completes, hop_bounds, window_of
+from grazing.oscillator.contact import window_of
+from grazing.oscillator.departure import chatter_completes, hop_bounds
 from grazing.outcome import AMBIGUOUS, CHATTER, STUCK, TOO_MANY_IMPACTS
 from tests.models import cubic, packed
 from tests.reference import Law, Problem, advance, force

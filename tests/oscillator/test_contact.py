@@ -13,20 +13,16 @@ from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator import contact
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.contact import (
-    FLIES,
-    LIES,
     NO_LAUNCH,
-    RELEASED,
     Ball,
     carried,
-    chatter_completes,
-    departure_of,
     next_contact,
     next_launch,
     placed,
     window_of,
     window_sign,
 )
+from grazing.oscillator.departure import FLIES, LIES, RELEASED, chatter_completes, departure_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from tests.examples import examples

@@ -112,3 +112,26 @@ def test_outermost_columns_are_whole_on_a_logarithmic_axis():
     gz.plot.orbit_diagram(result, ax)
     low, high = ax.get_xlim()
     assert 1e-4 / low == pytest.approx(high / 1e-2) == pytest.approx(100.0**0.02)
+
+
+def test_points_are_thinned_by_what_is_drawn():
+    result = gz.orbit_diagram(GAP, "mu", [0.04, 0.07], starts=2, keep=6, transient=50)
+    result["period"][:] = 2
+    result["x"][:] = np.array([1e6, 0.0, 0.0, 0.0, 0.1, 0.2])  # only the last two are drawn
+    assert len(gz.plot.orbit_diagram(result)["points"][2].get_xdata()) == 4
+    result["x"][:] = 1.0 + np.array([0.0, 0.0, 0.0, 0.0, 1.0, 2.0]) * np.finfo(float).eps
+    assert len(gz.plot.orbit_diagram(result)["points"][2].get_xdata()) == 4
+
+
+def test_a_thick_line_of_a_locus_ends_where_it_begins():
+    table = xr.Dataset(
+        {
+            "mu": ("point", np.arange(5.0)),
+            "l": ("point", np.arange(5.0)),
+            "admissible": ("point", [0, 1, 1, 0, 1]),
+            "meeting_type": ("meeting", np.array([], str)),
+        },
+        attrs={"parameters": '["mu", "l"]', "type": "pd"},
+    )
+    thick, _thin = gz.plot.locus(table)["lines"]
+    assert np.isnan(thick.get_xdata()).tolist() == [True, False, False, False, False]

@@ -131,3 +131,17 @@ def test_what_is_refused():
         ladder(none.assign(error=none.error * np.nan))
     with pytest.raises(InputError, match="finds no window on any rung"):
         ladder(none.assign(edge=none.edge * np.nan), by="windows")
+
+
+@pytest.mark.parametrize("by", ["error", "step"])
+def test_an_error_of_nothing_is_on_the_lower_edge(by):
+    result = made_up()
+    result[by].loc[{"rung": "corrected"}] = 0.0
+    result[by].loc[{"rung": "full", "N": 3}] = 0.0
+    drawn = ladder(result, by=by)
+    assert {rung: len(line.get_xdata()) for rung, line in drawn["zeros"].items()} == {"full": 1, "corrected": 3}
+    ax = drawn["lines"]["gap"].axes
+    (x, y), box = drawn["zeros"]["full"].get_transform().transform(drawn["zeros"]["full"].get_xydata())[0], ax.bbox
+    assert y == pytest.approx(box.y0) and box.x0 < x < box.x1
+    assert len(drawn["lines"]["corrected"].get_xdata()) == 0 and len(drawn["lines"]["full"].get_xdata()) == 2
+    assert [text.get_text() for text in drawn["legend"].get_texts()][-1] == "0"

@@ -6,6 +6,7 @@ import pytest
 import grazing as gz
 from grazing import plot
 from grazing.plot.raster import edges_of, is_even, ordered, raster, refined
+from tests.plot import results
 
 
 def test_edges_lie_halfway():
@@ -59,3 +60,25 @@ def test_cells_about_as_large_as_a_dot_have_several_pixels():
     assert fine_y == pytest.approx(y)
     uneven = x**2
     assert refined(ax, uneven, y, cells)[0] is uneven
+
+
+SPACED = np.geomspace(1e-3, 1.0, 7)
+
+
+@pytest.mark.parametrize("name", ["chart", "coexistence", "density", "lyapunov", "orbit_diagram"])
+def test_values_spaced_in_their_logarithm_have_such_an_axis(name):
+    if name == "orbit_diagram":
+        G = gz.gap_map(lam=0.5, mu=0.05, l=0.1)
+        result = gz.orbit_diagram(G, "mu", SPACED, starts=2, keep=4, transient=20)
+    else:
+        result = getattr(results, name)(**{"x" if name == "chart" else "values": SPACED})
+    draw = getattr(plot, name)
+    scale = [draw(result, **given)["figure"].axes[0].get_xscale() for given in ({}, {"ax": plot.panels()[1][0]})]
+    assert scale == ["log", "linear"]  # axes that are given keep theirs
+
+
+def test_changes_are_halfway_on_the_axis():
+    result = results.coexistence(SPACED)
+    drawn = plot.coexistence(result)["changes"]
+    at = sorted(x for line in drawn.values() for x in line.get_xdata())
+    assert at == pytest.approx(sorted(np.sqrt(result.before * result.after).values.tolist()))

@@ -7,10 +7,10 @@ from hypothesis import strategies as st
 
 import grazing as gz
 from grazing import theory
-from grazing.orbits.word import least_rotation, primitive
+from grazing.orbits.word import least_rotation, least_start, primitive
 from grazing.outcome import AMBIGUOUS, DIVERGED
 from grazing.studies.classify import classify
-from grazing.studies.recurrence import least_start, root_length
+from grazing.studies.recurrence import root_length
 from grazing.studies.starts import random_starts
 from tests.studies import twin
 from tests.studies.maps import DOUBLE_WELL, FOLLOWER, HENON, PLANE_WELLS, SMOOTH, SPIRAL, states_in

@@ -33,7 +33,7 @@ def test_a_piecewise_linear_map_lets_go_of_what_its_slopes_say():
 
 def test_many_small_populations_are_as_right_as_their_error_says():
     """Means of logarithms of shares, of populations with few orbits, were too large by twice the error."""
-    found = gz.escape_rate(leaky(), orbits=200, transient=5, steps=10, populations=100, stir=0.02, threads=1)
+    found = gz.escape_rate(leaky(), orbits=400, transient=5, steps=10, populations=100, stir=0.02, threads=1)
     assert abs(found.rate - np.log(3.0)) < 2.5 * found.error < 0.03
 
 
@@ -46,9 +46,29 @@ def tent(x, p):
 def test_copies_are_not_moved_out_of_the_box():
     """Those beside its ends escaped for having been moved: the rate was too large by seven times its error."""
     leaving = gz.Map(tent, coordinates=("x",), box=((0.0, 1.0),), name="tent")
-    found = gz.escape_rate(leaving, orbits=2000, transient=5, steps=20, threads=1)
+    found = gz.escape_rate(leaving, orbits=10_000, transient=5, steps=20, threads=1)
     assert abs(found.rate - np.log(1.5)) < 3.0 * found.error < 0.02
     assert aside(np.array([[1.0]]), np.array([[5.25]]), np.array([[0.0, 2.0]])) == [[1.75]]
+
+
+def doubling(x, p):
+    """The doubling map, of which orbits escape from the hole [low, high)."""
+    return (2.0 * x[0] % 1.0,), 0, ESCAPED if p.low <= x[0] < p.high else 0
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "known", "within"),
+    [
+        (0.375, 0.5, -np.log((1.0 + 5.0**0.5) / 4.0), 0.01),  # no 011: 1/2 of the largest root of z^2 = z + 1
+        (0.3125, 0.375, 0.060172861359, 0.002),  # no 0101: the largest root of z^4 - 2 z^3 + z^2 - 2 z + 1, over 2
+        (0.25, 0.5, np.log(2.0), 0.1),  # no 01: n + 1 words of n digits are left, and the rate is log 2 - 1 / n
+    ],
+)
+def test_a_hole_anywhere_in_the_doubling_map(low, high, known, within):
+    """Copies moved over the edge of a hole, and zeros that 2 x mod 1 ends in, put it off by 160 times its error."""
+    P = gz.Map(doubling, params={"low": low, "high": high}, box=((0.0, 1.0),), name="doubling")
+    found = gz.escape_rate(P, orbits=5000, threads=1)
+    assert abs(found.rate - known) < 2.5 * found.error < 2.5 * within
 
 
 @pytest.mark.parametrize(

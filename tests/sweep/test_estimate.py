@@ -45,6 +45,22 @@ def test_a_cell_that_takes_too_long_gives_a_bound(monkeypatch):
     assert "more than" in str(found)
 
 
+def test_what_a_first_use_loads_is_not_the_time_of_a_cell(monkeypatch):
+    """On a busy machine it was taken for one that does not end: hours were foreseen for seconds."""
+    monkeypatch.setattr(sys.modules["grazing.sweep.estimate"], "PATIENCE", 0.05)
+    some, waits = plan(1000, together=10), [0.06]
+    compute = some.compute
+
+    def loading(cells, arrays):
+        time.sleep(waits.pop() if waits else 0.0)
+        yield
+        yield from compute(cells, arrays)
+
+    object.__setattr__(some, "compute", loading)
+    found = sweep.estimate(some, threads=1)
+    assert found.timed and found.seconds < 10.0
+
+
 def test_it_writes_nothing_and_refuses_what_run_refuses(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     sweep.estimate(plan(1))

@@ -9,6 +9,8 @@ from typing import Any, NamedTuple
 
 from flint import arb, ctx, fmpq, fmpq_poly
 
+from grazing.pool import LOCK
+
 #: A gap that begins below 0 by less than this share of the sizes it is made of begins at 0: that is rounding.
 SHARE = 2.0**-46
 
@@ -55,11 +57,8 @@ def made(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], 
 @contextmanager
 def precision(bits: int) -> Iterator[None]:
     """Let ball arithmetic have so many bits for a while."""
-    before, ctx.prec = ctx.prec, bits
-    try:
+    with LOCK, ctx.workprec(bits):
         yield
-    finally:
-        ctx.prec = before
 
 
 def at(h: fmpq_poly, t: arb) -> arb:

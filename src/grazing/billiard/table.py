@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from functools import partial
 from math import inf, pi
 from types import MappingProxyType
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -65,6 +65,8 @@ class Table(ByValue):
     player: Player = NOBODY
     plunger: Plunger | None = None
     params: Mapping[str, float] = field(init=False, repr=False, compare=False)
+    #: What says of it what certificates do.
+    certified_as: ClassVar[str] = "grazing.proof.same_model:of_table"
 
     def __post_init__(self) -> None:
         objects = tuple(self.objects) if isinstance(self.objects, (list, tuple)) else ()

@@ -20,12 +20,15 @@ from grazing import __version__
 from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
+from grazing.memory import address_space
 from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, printable, raised, shown
 from grazing.parameter import called_here
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 #: Columns between which help is written: in one or two its writer never ends, in 10^30 it fails.
 NARROW, WIDE = 20, 10_000
+#: Bytes of addresses below which packages in C, while they are imported, fail or try again without an end.
+LEAST = 10**9
 #: What packages say that find no memory while they are imported: of a library of their own that is not loaded, for one.
 NO_MEMORY = ("Cannot allocate memory", "failed to map segment")
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
@@ -205,6 +208,12 @@ def _causes(error: BaseException) -> list[BaseException]:
 
 def _prepare_environment() -> None:
     """See to it that what stands in the environment is nothing that libraries stumble over."""
+    room = address_space()
+    if room is not None and room < LEAST:
+        raise GrazingError(
+            f"this process may take {room / 1e9:.3g} GB (ulimit -v); the packages that compute take "
+            f"{LEAST / 1e9:.0f} GB before they begin: raise the limit"
+        )
     if "matplotlib" not in sys.modules:  # figures go to files, whatever backend there is, or is not
         os.environ["MPLBACKEND"] = "agg"
     try:
@@ -219,6 +228,8 @@ def _prepare_environment() -> None:
     # With 0 threads numba cannot be imported, and none are used. A store is the same whatever is preferred of others.
     for name in [name for name in os.environ if name == "NUMBA_NUM_THREADS" or name.startswith("ZARR_")]:
         del os.environ[name]
+    # Our matrices are small, and each thread of a library that is told nothing takes tens of megabytes.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     wide = _columns()
     if wide and not NARROW <= wide <= WIDE:
         os.environ["COLUMNS"] = str(min(max(wide, NARROW), WIDE))

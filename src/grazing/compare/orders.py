@@ -34,6 +34,8 @@ import numpy as np
 import xarray as xr
 from numpy.typing import NDArray
 
+from grazing.studies.boundary import line_through
+
 Floats = NDArray[np.float64]
 
 #: To how many of the largest N an order is fitted.
@@ -96,10 +98,7 @@ def fitted(distance: Floats, error: Floats) -> tuple[float, float]:
     (1.5, True)
     """
     x, y = np.log(distance), np.log(error)
-    far = x - x.mean()
-    slope = float((far * y).sum() / (far * far).sum())
-    rest = y - y.mean() - slope * far
-    scatter = float(np.sqrt((rest * rest).sum() / (len(x) - 2) / (far * far).sum()))
+    slope, scatter = line_through(x, y)
     return slope, max(scatter, float(np.ptp(np.diff(y) / np.diff(x))))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterator, Mapping
 from functools import partial
 from typing import Any
 
@@ -10,16 +10,17 @@ from pydantic import ValidationError
 
 from grazing.catalogue import studies
 from grazing.catalogue.study import COORDINATE, Study
-from grazing.config.maps import LAW, PINBALL, UNFOLD, beyond_pinball, has_beside, map_of, names_of, parameter_defaults
+from grazing.config.given import all_numbers, parameters, shared
+from grazing.config.maps import LAW, UNFOLD, has_beside, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
-from grazing.config.parameters import AMPLITUDES, STIFFNESS, defaults_of, described
+from grazing.config.parameters import defaults_of, described
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import settings_of
 from grazing.config.si import from_table
 from grazing.config.tabled import beside_table, with_map
-from grazing.config.values import DEFAULT, bounds_of, extremes, found_from, number, numbers, range_of
-from grazing.config.walls import flat, last_of
+from grazing.config.values import DEFAULT, bounds_of, extremes, found_from, range_of
+from grazing.config.walls import flat
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import GrazingError, InputError, shown
@@ -184,7 +185,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         broken_ranges: list[Problem] = []
         config["vary"] = dict(_ranges(config, broken_ranges))
         yield from broken_ranges
-        yield from _numbers(config["parameters"])
+        yield from all_numbers(config["parameters"])
         _order(config)
         return
     try:
@@ -202,9 +203,9 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
     yield from _names(config, ranges, names, coordinates)
-    yield from _shared(config["parameters"], known)
+    yield from shared(config["parameters"], known)
     varied = {one for name in config["vary"] for one in (named_by(name, known) or [name])}
-    yield from _parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
+    yield from parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
     yield from _fits(config, coordinates)
     study = studies().get(config.get("study", ""))
     if study is not None and study.dimension not in (None, len(coordinates)):
@@ -387,83 +388,3 @@ def _how_many(config: Recipe, study: Study, allowed: list[str]) -> str:
     got = f"{len(config['vary'])} vary" if config["vary"] else "nothing varies"
     form = f"{example}=0.1:0.2" if study.form == "bounds" else f"{example}=0.1:0.2:100"
     return f"{got}; {study.name} varies {wanted} {study.varies}{plural} of {', '.join(allowed)}, such as {form}"
-
-
-def _shared(given: Recipe, known: Recipe) -> Iterator[Problem]:
-    """Give r to each wall whose law has one, in place; yield what is then given twice."""
-    for name in [name for name in given if name not in known and named_by(name, known)]:
-        value = given.pop(name)
-        for one in named_by(name, known):
-            if one in given:
-                yield Problem(("parameters", name), f"{name} stands for {one}, too, which is given beside it; give one")
-            given[one] = value
-
-
-def _parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[Problem]:
-    """Yield parameters that the map does not have, or needs; then complete them and see that the map can be made."""
-    given = config["parameters"]
-    sound = True
-    for name in given:
-        if name not in known:
-            sound = False
-            extra = (
-                f"the {config['law']} law has none"
-                if name in ("r", "V", "trigger") and config.get("law")
-                else "stiffness is given in its place"
-                if name == "k" and STIFFNESS in known
-                else "unknown parameter"
-            )
-            yield Problem(("parameters", name), partial(unknown_key, name, known, extra))
-    for problem in _numbers(given, known):
-        sound = False
-        yield problem
-    for name, default in known.items():
-        if default is None and name not in given and name not in elsewhere:
-            sound = False
-            yield Problem(("parameters", name), f"missing; give {_says(name)}{_why(config, name)}")
-    complete = {name: given.get(name, default) for name, default in known.items()}
-    chosen = {name for name, written in config["vary"].items() if isinstance(written, str) and written == DEFAULT}
-    config["parameters"] = {
-        name: value for name, value in complete.items() if value is not None and name not in elsewhere - chosen
-    }
-    if sound and config["map"] != "normal-form":
-        filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}
-        try:
-            map_of({**config, "parameters": filled})
-        except GrazingError as error:
-            yield Problem(("parameters",), str(error))
-
-
-def _first(config: Recipe, name: str) -> float | list[float]:
-    """Return a value of a parameter that varies; what is wrong with its range is said elsewhere."""
-    if last_of(name) in AMPLITUDES:  # a list, of which cos1 may vary and cos may not
-        return []
-    try:
-        return float(extremes(range_of(config["vary"][name], name))[0])
-    except (InputError, KeyError):
-        return 0.5
-
-
-def _numbers(given: Recipe, known: Iterable[str] | None = None) -> Iterator[Problem]:
-    """Yield parameters that are no numbers, of those that are known, and take the others for numbers."""
-    for name in [*given] if known is None else [name for name in given if name in known]:
-        if name not in AMPLITUDES:
-            try:
-                several = last_of(name) in AMPLITUDES  # of a wall's motion
-                given[name] = numbers(given[name], name, 0) if several else number(given[name], name)
-            except InputError as error:
-                yield Problem(("parameters", name), str(error))
-
-
-def _says(name: str) -> str:
-    from grazing.config.parameters import meaning
-
-    return "amplitudes of the forcing, 0 for none" if name in AMPLITUDES else meaning(name)
-
-
-def _why(config: Recipe, name: str) -> str:
-    """Return why a parameter that the pinball has is missing all the same."""
-    beyond = None if is_own(config["map"]) or config["map"] == "gap" else beyond_pinball(config)
-    if beyond is None or config.get("mass") is not None or name not in (*PINBALL, *AMPLITUDES):
-        return ""
-    return f" (with {beyond} this is not the paper's pinball, and nothing is assumed)"

@@ -20,8 +20,7 @@ from grazing.billiard.hit import flown, rows_of
 from grazing.billiard.laws import law_at
 from grazing.billiard.objects import Thing
 from grazing.billiard.players import switched
-from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, PX, PY, SIDES, SIZE, WIDTH, gravity_of
-from grazing.billiard.rows import OWNER as OWNER_OF
+from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, SIDES, WIDTH, gravity_of
 from grazing.billiard.table import Table
 from grazing.config.tables import LAWS, read_table, shipped
 from grazing.explorer.composed import Module, arguments
@@ -33,7 +32,6 @@ from grazing.oscillator.reset import Reset
 from grazing.outcome import ESCAPED, FATAL, NO_IMPACT, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple
 
-INFINITY = float("inf")
 #: Where a ball is thrown from for the picture of exits, and how fast at most, where that is not in the plunger.
 THROWN = {"classic": (2.55, 5.6, 12.0), "galton": (0.05, 9.0, 3.0), "one_bumper": (0.3, 4.0, 3.0)}
 #: What a millimetre is, on tables where that means something.
@@ -45,8 +43,6 @@ CLOCK, LEFT, X, Y, VX, VY, HITS, LAST, FLAGS, BALL = range(10)
 MOTION = 3
 #: Numbers of a row of parameters that laws of the page may have.
 LONGEST = 3
-#: Parts of a flight at which the distance from an object is looked at, and steps that each narrow the nearest one.
-LOOKS, NARROWED = 24, 40
 
 
 def pressed(block: Any, flipper: int, motion: Any, count: int, t: float, goal: float, rate: float) -> int:
@@ -130,37 +126,6 @@ def follow(block: Any, balls: Any, until: float, most: int, places: Any) -> None
         state = placed(ball[X], ball[Y], ball[VX], ball[VY], ball[LEFT], late, ball[CLOCK], table)
         for j in range(4):
             places[i, j] = state[j]
-
-
-def nearest(block: Any, state: Any, length: float, owner: int) -> float:
-    """Return how near a flight of this length comes to the circles of an object, below 0 inside; by search."""
-    table = numbers(block)
-    rows, least = behind(rows_of(table), WIDTH * int(table[FACES])), INFINITY
-    for i in range(int(table[CIRCLES])):
-        row = behind(rows, WIDTH * i)
-        if int(row[OWNER_OF]) != owner:
-            continue
-        best, at = INFINITY, 0.0
-        for j in range(LOOKS + 1):
-            far = off(state, length * j / LOOKS, row, table[GRAVITY])
-            if far < best:
-                best, at = far, length * j / LOOKS
-        low, high = max(at - length / LOOKS, 0.0), min(at + length / LOOKS, length)
-        for _ in range(NARROWED):
-            third = (high - low) / 3.0
-            if off(state, low + third, row, table[GRAVITY]) < off(state, high - third, row, table[GRAVITY]):
-                high -= third
-            else:
-                low += third
-        least = min(least, off(state, 0.5 * (low + high), row, table[GRAVITY]))
-    return least
-
-
-def off(state: Any, t: float, row: Any, g: float) -> float:
-    """Return how far a ball is from a circle after a time of a flight."""
-    x, y, _vx, _vy = flown(state[0], state[1], state[2], state[3], g, t)
-    dx, dy = x - row[PX], y - row[PY]
-    return (dx * dx + dy * dy) ** 0.5 - row[SIZE]  # type: ignore[no-any-return]
 
 
 def law_entry(name: str, made: Callable[..., Reset]) -> Entry:
@@ -279,15 +244,6 @@ def entries() -> list[Entry]:
                 rate: float64  the angular velocity
             """)),
             "int64", "press or release the button of a flipper; returns how many pieces its motion has then",
-        ),
-        Entry(
-            "nearest", nearest, ("numbers",),
-            (block, *arguments("""
-                state: float64[4]  at the begin of a flight
-                length: float64  how long it lasts
-                owner: int64  the object
-            """)),
-            "float64", "how near a flight comes to the circles of an object",
         ),
         Entry(
             "fan", fan, ("numbers", "angles", "speeds"),

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import hashlib
 import os
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -30,6 +31,44 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 _lock = threading.RLock()
 _inner: dict[tuple[str, str], Any] = {}
 _outer: dict[tuple[FunctionType, str], Any] = {}
+
+
+class _Lost:
+    """A lock that another thread held when this process was forked from its own: nobody is left to let it go.
+
+    What that thread left half made, in the compiler and in the import of modules, stays half made as well.
+    """
+
+    def acquire(self, *_how: Any) -> bool:
+        raise GrazingError(
+            "this process was forked while another thread compiled, and cannot compile itself; fork before, or "
+            "start processes by 'spawn'"
+        )
+
+    __enter__ = acquire
+
+    def release(self, *_what: Any) -> None:
+        """Nothing was taken."""
+
+    __exit__ = release
+
+
+def _forked() -> None:
+    """Tell a new process which locks are lost."""
+    theirs = getattr(sys.modules.get("numba.core.compiler_lock"), "global_compiler_lock", None)
+    owners: list[Any] = [sys.modules[__name__], theirs]
+    for owner in owners:
+        lock = getattr(owner, "_lock", None)
+        if lock is None or isinstance(lock, _Lost):
+            continue
+        if lock.acquire(False):
+            lock.release()
+        else:
+            owner._lock = _Lost()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_forked)
 
 
 def jit_disabled() -> bool:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import atan2, cos, hypot, sin, sqrt
 from typing import Any, NamedTuple
 
@@ -172,27 +173,9 @@ def in_three(J: Any) -> Any:
     return J[0], J[1], J[2], J[4], J[5], J[6], J[8], J[9], J[10]
 
 
-def collision(state: Any, c: Place) -> Any:
-    """Return (state, letter, outcome) of a step from impact to impact."""
-    new, _t, letter, outcome, _J = collide(state, 0.0, numbers_at(c.block), False)
-    return new, letter, outcome
-
-
-def derived(state: Any, c: Place) -> Any:
-    """Return a step with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, _t, letter, outcome, J = collide(state, 0.0, numbers_at(c.block), True)
-    return new, letter, outcome, (*in_three(J), NAN)
-
-
-def plain_collision(state: Any, block: Any) -> Any:
-    """Return a step as plain Python takes it: with the block of a table itself, of whatever length."""
-    new, _t, letter, outcome, _J = collide(state, 0.0, block, False)
-    return new, letter, outcome
-
-
-def plain_tangent(state: Any, block: Any) -> Any:
-    """Return a step with its Jacobian as plain Python takes it."""
-    new, _t, letter, outcome, J = collide(state, 0.0, block, True)
+def steady(state: Any, table: Any, with_tangent: bool) -> Any:
+    """Return (state, letter, outcome, J) of a step of a table that does not depend on time."""
+    new, _t, letter, outcome, J = collide(state, 0.0, table, with_tangent)
     return new, letter, outcome, in_three(J)
 
 
@@ -204,27 +187,40 @@ def timed(state: Any, table: Any, with_tangent: bool) -> Any:
     return (new[0], new[1], new[2], later), letter, outcome, J
 
 
-def timed_collision(state: Any, c: Place) -> Any:
-    """Return (state, letter, outcome) of a step of a table that is periodic in time."""
-    new, letter, outcome, _J = timed(state, numbers_at(c.block), False)
-    return new, letter, outcome
+class Kernels(NamedTuple):
+    """The step of a table: compiled, with and without derivative, and as plain Python takes it.
+
+    Plain Python has the block of a table itself, of whatever length. Nothing is known of the determinant apart from J.
+    """
+
+    step: Callable[..., Any]
+    tangent: Callable[..., Any]
+    plain: Callable[..., Any]
+    plain_tangent: Callable[..., Any]
 
 
-def timed_derived(state: Any, c: Place) -> Any:
-    """Return such a step with its Jacobian, and nothing that is known of its determinant apart from that."""
-    new, letter, outcome, J = timed(state, numbers_at(c.block), True)
-    return new, letter, outcome, (*J, NAN)
+def kernels_of(take: Callable[..., Any]) -> Kernels:
+    """Return the kernels of ``take(state, table, with_tangent) -> (state, letter, outcome, J)``."""
+
+    def step(state: Any, c: Place) -> Any:
+        new, letter, outcome, _J = take(state, numbers_at(c.block), False)
+        return new, letter, outcome
+
+    def tangent(state: Any, c: Place) -> Any:
+        new, letter, outcome, J = take(state, numbers_at(c.block), True)
+        return new, letter, outcome, (*J, NAN)
+
+    def plain(state: Any, block: Any) -> Any:
+        new, letter, outcome, _J = take(state, block, False)
+        return new, letter, outcome
+
+    def plain_tangent(state: Any, block: Any) -> Any:
+        return take(state, block, True)
+
+    return Kernels(step, tangent, plain, plain_tangent)
 
 
-def plain_timed(state: Any, block: Any) -> Any:
-    """Return such a step as plain Python takes it."""
-    new, letter, outcome, _J = timed(state, block, False)
-    return new, letter, outcome
-
-
-def plain_timed_tangent(state: Any, block: Any) -> Any:
-    """Return such a step with its Jacobian as plain Python takes it."""
-    return timed(state, block, True)
+STEADY, TIMED = kernels_of(steady), kernels_of(timed)
 
 
 def all_collided(row: Any, lanes: Any, letters: Any, outcomes: Any) -> None:

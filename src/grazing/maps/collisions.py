@@ -32,19 +32,13 @@ from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import abreast_loop
 from grazing.kernel.primitives import numbers
 from grazing.maps.collide import (
+    STEADY,
+    TIMED,
     Place,
     all_collided,
-    collision,
-    derived,
     gone,
-    plain_collision,
-    plain_tangent,
-    plain_timed,
-    plain_timed_tangent,
-    timed_collision,
-    timed_derived,
     velocity,
-)  # fmt: skip
+)
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.map import Map
@@ -131,9 +125,9 @@ class OfTable(Origin):
         if self.table.player.drains:
             played = played_by(len(self.table.player.drains))
             return Derived(played.tangent, None, Place, addresses, blocks, played.step)
-        tangent, step = (timed_derived, timed_collision) if self.table.period else (derived, collision)
+        found = TIMED if self.table.period else STEADY
         loop = compiled(abreast_loop(all_collided, 4 if self.table.period else 3), arithmetic)
-        return Derived(tangent, None, Place, addresses, blocks, step, loop)
+        return Derived(found.tangent, None, Place, addresses, blocks, found.step, loop)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
@@ -318,20 +312,20 @@ def collision_map(table: Table, on: str | None = None) -> Map:
             f"a ball of radius {table.rho:g} fits nowhere beside {on}: something else is nearer than its diameter "
             "everywhere; make rho smaller, or give another object as on="
         )
-    step, tangent, more = plain_collision, plain_tangent, list(watched(table))
+    kernels, more = STEADY, list(watched(table))
     if isinstance(table.player, Strategy):
         table.player.tried(table.params)
-        _step, _tangent, step, tangent = played_by(len(table.player.gates))
+        kernels = played_by(len(table.player.gates))
     elif table.period:
-        step, tangent, more = plain_timed, plain_timed_tangent, [PHASE.name]
+        kernels, more = TIMED, [PHASE.name]
     return Map(
-        step,
+        kernels.plain,
         params=table.params,
         coordinates=(*COORDINATES, *more),
         box=box_of(table, on, table.params),
         letters=Names((*table.names, AWAY)),
         prepare=partial(plain_block, table),
-        tangent=tangent,
+        tangent=kernels.plain_tangent,
         name="collision map",
         origin=OfTable(table, on),
     )

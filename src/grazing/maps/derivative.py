@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import lru_cache
-from math import frexp, ldexp
+from math import frexp, ldexp, sqrt
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import column, put, unpacker
-from grazing.kernel.primitives import replaced
+from grazing.kernel.primitives import inlined, replaced
 
 NAN = float("nan")
 Floats = NDArray[np.float64]
@@ -21,6 +21,9 @@ Floats = NDArray[np.float64]
 STEP = 6e-6
 #: A state near 0 is told from its neighbours in units of 1 in a box from 1 to so many times as wide.
 WIDE = 1000.0
+#: What the two sides of a state differ by, relative to the greater, where there may be a kink between them; and where
+#: there is a jump, in units of the image: more than a square root does over such a step.
+KINK, JUMP = 1e-3, 4.0
 
 
 class Derived(NamedTuple):
@@ -54,6 +57,21 @@ def units_of(box: Sequence[tuple[float, float]]) -> tuple[float, ...]:
     return tuple(found)
 
 
+@inlined
+def difference(ahead: float, behind: float, same_ahead: bool, same_behind: bool, unit: float) -> float:
+    """Return by how much an image differs over two steps, of what it does over one of them, ahead and behind.
+
+    Where a border lies between, twice that of the side on which the state itself is: the one with the letter of the
+    state, or, if both or none have, the one without the jump.
+    """
+    greater, apart = max(abs(ahead), abs(behind)), abs(ahead - behind)
+    if apart > KINK * greater and same_ahead != same_behind:
+        return 2.0 * (ahead if same_ahead else behind)
+    if apart > JUMP * sqrt(STEP) * unit and same_ahead == same_behind:
+        return 2.0 * (ahead if abs(ahead) < abs(behind) else behind)
+    return ahead + behind
+
+
 @lru_cache(maxsize=256)
 def differences_of(step: Callable[..., Any], dimension: int, units: tuple[float, ...]) -> Callable[..., Any]:
     """Return ``tangent(state, c) -> (state, letter, outcome, J)``, J row by row, from central differences of a step.
@@ -74,10 +92,14 @@ def differences_of(step: Callable[..., Any], dimension: int, units: tuple[float,
         for j in range(dimension):
             h = STEP * max(units[j], abs(state[j]))
             high, low = state[j] + h, state[j] - h
-            after, _letter, _outcome = step(replaced(state, j, high), c)
-            before, _letter, _outcome = step(replaced(state, j, low), c)
+            after, next_letter, _outcome = step(replaced(state, j, high), c)
+            before, last_letter, _outcome = step(replaced(state, j, low), c)
             for i in range(dimension):
-                J = replaced(J, i * dimension + j, (after[i] - before[i]) / (high - low))
+                over = difference(
+                    after[i] - new[i], new[i] - before[i], next_letter == letter, last_letter == letter,
+                    max(units[i], abs(new[i])),
+                )  # fmt: skip
+                J = replaced(J, i * dimension + j, over / (high - low))
         return new, letter, outcome, J
 
     return tangent
@@ -96,13 +118,36 @@ def extended(tangent: Callable[..., Any]) -> Callable[..., Any]:
 
 @lru_cache(maxsize=256)
 def stepping(tangent: Callable[..., Any]) -> Callable[..., Any]:
-    """Return the step of a tangent."""
+    """Return the step of a tangent, or of whatever else says more behind it."""
 
     def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = tangent(state, c)
-        return new, letter, outcome
+        found = tangent(state, c)
+        return found[0], found[1], found[2]
 
     return step
+
+
+@lru_cache(maxsize=256)
+def deriving(period: Callable[..., Any]) -> Callable[..., Any]:
+    """Return ``derived(state, c) -> (state, letter, outcome, J)`` of what says more behind these."""
+
+    def derived(state: Any, c: Any) -> Any:
+        found = period(state, c)
+        return found[0], found[1], found[2], found[3]
+
+    return derived
+
+
+@lru_cache(maxsize=256)
+def plainly(derived: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the tangent of a map of two coordinates, without the logarithm of |det J| behind J."""
+
+    def tangent(state: Any, c: Any) -> Any:
+        found = derived(state, c)
+        J = found[3]
+        return found[0], found[1], found[2], (J[0], J[1], J[2], J[3])
+
+    return tangent
 
 
 @lru_cache(maxsize=256)

@@ -14,7 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.maps.derivative import extended
+from grazing.maps.derivative import extended, stepping
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
 from grazing.maps.period import periods_passed, product
@@ -98,11 +98,7 @@ def local_map_of(
             J = product(modes(c.T, c), J)
         return (y + c.sigma, v), letter, outcome, J
 
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = tangent(state, c)
-        return new, letter, outcome
-
-    return step, tangent
+    return stepping(tangent), tangent
 
 
 def discontinuity_map(model: Oscillator, order: str = "lowest", phase: float = 0.0) -> Map:

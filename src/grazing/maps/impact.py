@@ -4,34 +4,28 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
-from math import nan
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.derivative import plainly, stepping
 from grazing.maps.impact_of_system import impact_map_of_system
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator
-from grazing.maps.returning import INFINITY, MAX_PERIODS, NO_DOUBT, derivative, next_period
+from grazing.maps.returning import MAX_PERIODS
 from grazing.maps.settle import said_in_flight
 from grazing.maps.starting import impact_box
+from grazing.maps.walled_impact import return_of as return_between
 from grazing.maps.walled_impact import walled_impact_map
-from grazing.oscillator.constants import constants_of, forcing
-from grazing.oscillator.contact import (
-    FLIES,
-    LIES,
-    MAX_SWINGS,
-    departure_of,
-    next_contact,
-    placed,
-)
+from grazing.oscillator.constants import constants_of
+from grazing.oscillator.frames import alone
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.model import checked_model
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
-from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
+from grazing.outcome import InputError
 from grazing.systems.contract import System
 
 Floats = NDArray[np.float64]
@@ -46,79 +40,12 @@ def return_of(
 
     J is followed by the logarithm of |det J|.
     """
-    departure = departure_of(law, slope, contraction)
+    between = return_between((law, slope, contraction), (law, slope, contraction), True)
 
     def tangent(state: Any, c: Any) -> Any:
-        tau, w = state
-        lost = (nan, nan, nan, nan, nan)
-        if not (0.0 <= w < INFINITY and abs(tau) < INFINITY):
-            return (nan, nan), 0, (OK if w != w or tau != tau else BAD_LAW), lost
-        if c.T > MAX_SWINGS * c.piece:
-            return (nan, nan), 0, TOO_MANY_SWINGS, lost
-        start = tau - c.T * (tau // c.T)
-        ball, doubt = placed(start, 0.0, w, 0), NO_DOUBT
-        strobes, outcome = 0, OK
-        # from rest the flight is smooth where the force lifts the ball at once
-        rests, lying, smooth = w == 0.0, False, w > 0.0 or forcing(start, c)[0] > 0.0
-        while strobes <= MAX_PERIODS:
-            hit = rests
-            if not rests:
-                hit, ball, flags, _near = next_contact(ball, c)
-                outcome |= flags
-            if hit:
-                arrived = ball.v
-                kind, ball, flags = departure(ball, INFINITY, c)
-                outcome |= flags
-                if flags & (BAD_LAW | DIVERGED):
-                    return (nan, nan), strobes, outcome, lost
-                # a ball at rest that lifts off at once is a release only if it lay: else it is our own start
-                if kind != LIES and (not rests or lying or kind != FLIES):
-                    t, at = ball.t, strobes
-                    if t >= c.T:
-                        t, at = 0.0, strobes + 1
-                    J = (0.0, 0.0, 0.0, 0.0, -INFINITY) if lying or kind != FLIES else lost
-                    if kind == FLIES and smooth and not outcome & (GRAZE | AMBIGUOUS):
-                        J = derivative(start, w, ball.t + strobes * c.T, arrived, slope(arrived, c.p), 1.0, c, c)
-                    return (t, ball.v), at, outcome, J
-                smooth = smooth and kind == FLIES
-                lying = lying or kind == LIES
-                doubt = NO_DOUBT if kind == LIES else doubt
-                rests = False
-            if ball.t >= c.T:
-                strobes += 1
-                rests = ball.y == 0.0 and ball.v == 0.0
-                ball, doubt = next_period(ball, doubt, c)
-        return (nan, nan), strobes, outcome | NO_IMPACT, lost
+        return between(state, alone(c))
 
     return tangent
-
-
-@lru_cache(maxsize=256)
-def return_tangent_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
-    """Return the step of the impact map with its Jacobian, for one reset law."""
-    derived = return_of(law, slope, contraction)
-
-    def tangent(state: Any, c: Any) -> Any:
-        new, letter, outcome, J = derived(state, c)
-        return new, letter, outcome, (J[0], J[1], J[2], J[3])
-
-    return tangent
-
-
-@lru_cache(maxsize=256)
-def return_step_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
-    """Return the step of the impact map for one reset law."""
-    tangent = return_of(law, slope, contraction)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = tangent(state, c)
-        return new, letter, outcome
-
-    return step
 
 
 class Struck(OfOscillator):
@@ -190,14 +117,14 @@ def impact_map(model: Rig | System) -> Map:
     if isinstance(model, Walled):
         return walled_impact_map(model)
     model = checked_model(model)
-    law = model.reset
+    derived = return_of(model.reset.law, model.reset.slope, model.reset.contraction)
     return Map(
-        return_step_of(law.law, law.slope, law.contraction),
+        stepping(derived),
         params=model.params,
         coordinates=("tau", "v_plus"),
         box=impact_box(model.reach, model.paper),
         prepare=constants_of(model.harmonics),
-        tangent=return_tangent_of(law.law, law.slope, law.contraction),
+        tangent=plainly(derived),
         name="impact map",
         origin=Struck(model),
     )

@@ -13,9 +13,10 @@ from numpy.typing import NDArray
 from grazing.kernel.primitives import replaced
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import LATER, Names, Struck
-from grazing.maps.map import Map, ending
+from grazing.maps.map import Map
 from grazing.maps.of_system import INFINITY, NAN, OfSystem, kind_of, widths_after
 from grazing.maps.origin import Origin
+from grazing.maps.own_step import ending
 from grazing.maps.returning import MAX_PERIODS
 from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, NO_IMPACT, OK, InputError

@@ -19,6 +19,7 @@ from grazing.billiard.workspace import LANES, W, room_for
 from grazing.kernel.compile import compiled
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import inlined, numbers, numbers_at
+from grazing.maps.collide import Kernels
 from grazing.outcome import ESCAPED, FATAL, OK, TOO_MANY_IMPACTS
 
 NAN = float("nan")
@@ -74,28 +75,6 @@ def way_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     return (1.0 * way, 0.0), way, outcome
 
 
-def launched(state: Any, c: Launch) -> Any:
-    """Return (state, letter, outcome) of a launch."""
-    return way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-
-
-def launched_derived(state: Any, c: Launch) -> Any:
-    """Return a launch with its Jacobian, which is 0: where the ball comes to rest is one of a few places."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
-
-
-def plain_launched(state: Any, c: Any) -> Any:
-    """Return a launch as plain Python takes it: with the block of a table itself, of whatever length."""
-    return way_out(state, c.x, c.y, int(c.hits), c.block)
-
-
-def plain_tangent(state: Any, c: Any) -> Any:
-    """Return a launch with its Jacobian as plain Python takes it."""
-    new, letter, outcome = way_out(state, c.x, c.y, int(c.hits), c.block)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
-
-
 def watched(x: float, y: float, vx: float, vy: float, most: int, table: Any, room: Any) -> Any:
     """Return what :func:`launch` does, of a ball that a strategy looks at; ``table`` is the ball's own."""
     left, t, outcome = -1.0, 0.0, OK
@@ -127,26 +106,28 @@ def watched_out(state: Any, x: float, y: float, most: int, table: Any) -> Any:
     return (1.0 * way, 0.0), way, outcome
 
 
-def watched_launched(state: Any, c: Launch) -> Any:
-    """Return (state, letter, outcome) of a launch that a strategy looks at."""
-    return watched_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+def kernels_of(out: Callable[..., Any]) -> Kernels:
+    """Return the kernels of launches that end as ``out`` says; J is 0: the ball comes to rest in one of few places."""
+
+    def step(state: Any, c: Launch) -> Any:
+        return out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+
+    def tangent(state: Any, c: Launch) -> Any:
+        new, letter, outcome = out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
+        return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
+
+    def plain(state: Any, c: Any) -> Any:
+        return out(state, c.x, c.y, int(c.hits), c.block)
+
+    def plain_tangent(state: Any, c: Any) -> Any:
+        new, letter, outcome = out(state, c.x, c.y, int(c.hits), c.block)
+        return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
+
+    return Kernels(step, tangent, plain, plain_tangent)
 
 
-def watched_derived(state: Any, c: Launch) -> Any:
-    """Return such a launch with its Jacobian, which is 0."""
-    new, letter, outcome = watched_out(state, c.x, c.y, int(c.hits), numbers_at(c.block))
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0, NAN)
-
-
-def plain_watched(state: Any, c: Any) -> Any:
-    """Return such a launch as plain Python takes it."""
-    return watched_out(state, c.x, c.y, int(c.hits), c.block)
-
-
-def plain_watched_tangent(state: Any, c: Any) -> Any:
-    """Return such a launch with its Jacobian as plain Python takes it."""
-    new, letter, outcome = watched_out(state, c.x, c.y, int(c.hits), c.block)
-    return new, letter, outcome, (0.0, 0.0, 0.0, 0.0)
+#: Launches of a ball, and of one that a strategy looks at.
+FREE, WATCHED = kernels_of(way_out), kernels_of(watched_out)
 
 
 def heading(angle: float) -> tuple[float, float]:

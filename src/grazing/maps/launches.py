@@ -24,19 +24,13 @@ from grazing.maps.collisions import asked_of, blocks_of, checked_table, fastest,
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.launch import (
+    FREE,
     ROUNDS,
+    WATCHED,
     Launch,
     all_launched,
     heading,
-    launched,
-    launched_derived,
     launcher,
-    plain_launched,
-    plain_tangent,
-    plain_watched,
-    plain_watched_tangent,
-    watched_derived,
-    watched_launched,
     watcher,
 )  # fmt: skip
 from grazing.maps.map import Map
@@ -59,7 +53,7 @@ SPEEDS = 200
 #: Launches of one task.
 TOGETHER = 8192
 #: Launches of one call at which a strategy looks.
-WATCHED = 256
+SEEN = 256
 #: Impacts that may be asked for.
 MOST = 1_000_000
 COORDINATES = {
@@ -123,16 +117,9 @@ class OfLaunches(Origin):
         addresses, blocks = blocks_of(self.table, rows[:, :n], arithmetic)
         numbers = np.hstack([addresses, rows[:, self.where]])
         if self.table.player.drains:
-            return Derived(watched_derived, None, Launch, numbers, blocks, watched_launched)
-        return Derived(
-            launched_derived,
-            None,
-            Launch,
-            numbers,
-            blocks,
-            launched,
-            compiled(abreast_loop(all_launched, 2), arithmetic),
-        )
+            return Derived(WATCHED.tangent, None, Launch, numbers, blocks, WATCHED.step)
+        loop = compiled(abreast_loop(all_launched, 2), arithmetic)
+        return Derived(FREE.tangent, None, Launch, numbers, blocks, FREE.step, loop)
 
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
@@ -194,18 +181,16 @@ def launch_map(table: Table, point: Sequence[float] | None = None, hits: int = H
         values = {HITS_OF: values[HITS_OF]}
     fast, aim, shot = fastest(table.params), 0.5 * pi, table.plunger
     origin = OfLaunches(table, tuple(values))
-    plain, tangent = plain_launched, plain_tangent
-    if table.player.drains:
-        plain, tangent = plain_watched, plain_watched_tangent
+    kernels = WATCHED if table.player.drains else FREE
     return Map(
-        plain,
+        kernels.plain,
         params={**table.params, **values},
         coordinates=tuple(COORDINATES),
         box=((shot.angle - aim, shot.angle + aim), (shot.slow, shot.fast)) if point is None and shot
         else ((0.0, pi), (0.1 * fast, fast)),
         letters=Names((*table.names, AWAY)),
         prepare=partial(_plain, table, origin.where),
-        tangent=tangent,
+        tangent=kernels.plain_tangent,
         name="launch map",
         origin=origin,
     )  # fmt: skip
@@ -258,8 +243,8 @@ def _flown(block: Floats, launch: tuple[float, float, int], part: Sequence[Any])
 
 def _watched(block: Floats, launch: tuple[float, float, int], part: Sequence[Any]) -> Iterator[None]:
     """Fly launches at which a strategy looks, one after the other."""
-    for first in range(0, len(part[0]), WATCHED):  # some at a time, so that it can be stopped
-        call(watcher(), block, *launch, *(one[first : first + WATCHED] for one in part))
+    for first in range(0, len(part[0]), SEEN):  # some at a time, so that it can be stopped
+        call(watcher(), block, *launch, *(one[first : first + SEEN] for one in part))
         yield
 
 

@@ -14,7 +14,6 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.copies import ByValue, alike, packed, plain
 from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
-from grazing.kernel.primitives import replaced
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
 from grazing.maps.columns import (
     Columns,
@@ -28,10 +27,11 @@ from grazing.maps.columns import (
 from grazing.maps.derivative import Derived, differences_of, extended, stepping, tangent_runner, units_of
 from grazing.maps.hits import Alphabet
 from grazing.maps.origin import NO_ORIGIN, Origin
+from grazing.maps.own_step import normalised
 from grazing.maps.pointed import pointed_derivative, pointed_loop
 from grazing.maps.settle import settle_orbits, warn_of_bad_law
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, FATAL, InputError, UserCodeError, listed, shown, told
+from grazing.outcome import AMBIGUOUS, BAD_LAW, InputError, listed, shown
 from grazing.parameter import (
     Parameter,
     checked_box,
@@ -198,7 +198,7 @@ class Map(ByValue):
             raise InputError("step is missing; give a function step(state, p), or pieces={'L': f, 'R': g} and border")
         object.__setattr__(self, "name", self.name or getattr(self.step, "__name__", "map"))
         if self._full_step is None:
-            object.__setattr__(self, "_full_step", self.step if self.origin.replace is not None else _normalised(self))
+            object.__setattr__(self, "_full_step", self.step if self.origin.replace is not None else normalised(self))
 
     def _join_pieces(self) -> None:
         """Make step and letters of the pieces; a map of the library may have a faster step of its own."""
@@ -525,40 +525,6 @@ def _built_again(parts: dict[str, Any]) -> Map:
     return Map(**{name: plain(value) for name, value in parts.items()})
 
 
-def _normalised(P: Map) -> Callable[..., Any]:
-    """Wrap a step so that it returns (state, letter, outcome) whatever form the user chose; try it once first."""
-    step, escape, dimension = P.step, P.escape, P.dimension
-    kind, row = P.packed()
-    p = kind(*row.tolist())
-    middle = tuple(0.5 * (low + high) for low, high in P.box)
-    try:
-        result = step(middle, P.prepare(p) if P.prepare is not None else p)
-    except Exception as error:
-        raise UserCodeError(
-            f"the step of {P.name} raised {told(error, P.step)} (state {middle}, parameters {dict(P.params)})"
-        ) from error
-    form = _form(result, dimension)
-    if form == 0:
-        raise UserCodeError(
-            f"the step of {P.name} returned {shown(result)}; allowed are a tuple of {dimension} number(s), "
-            "or (state, letter), or (state, letter, outcome)"
-        )
-    if form == 1:
-
-        def bare(state: Any, c: Any) -> Any:
-            return step(state, c), 0, 0
-
-        return ending(bare, escape)
-    if form == 2:
-
-        def lettered(state: Any, c: Any) -> Any:
-            new, letter = step(state, c)
-            return new, letter, 0
-
-        return ending(lettered, escape)
-    return ending(step, escape)
-
-
 def swift(P: Map) -> Map:
     """Return the map without its exact arithmetic for steps that double precision cannot decide.
 
@@ -571,37 +537,3 @@ def eased(P: Map) -> Map:
     """Return the map with images beside its orbits too, where no orbit may begin: for Newton's method."""
     origin = P.origin.eased()
     return P if origin is P.origin else replace(P, origin=origin)
-
-
-def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
-    """Wrap a step so that an orbit ends, in NaN, beyond ``escape`` or with a fatal outcome."""
-
-    def ending(state: Any, c: Any) -> Any:
-        new, letter, outcome = step(state, c)
-        for x in new:
-            if abs(x) > escape or not abs(x) < INFINITY:
-                outcome = outcome | DIVERGED
-        if outcome & FATAL:
-            for i in range(len(new)):
-                new = replaced(new, i, NAN)
-        return new, letter, outcome
-
-    return ending
-
-
-def _form(result: object, dimension: int) -> int:
-    """Return which form a step's result has: 1 state, 2 with letter, 3 with letter and outcome, 0 none of them."""
-
-    def is_state(value: object) -> bool:
-        return (
-            isinstance(value, tuple)
-            and len(value) == dimension
-            and all(isinstance(x, (int, float, np.floating)) and not isinstance(x, bool) for x in value)
-        )
-
-    if is_state(result):
-        return 1
-    if isinstance(result, tuple) and len(result) in (2, 3) and is_state(result[0]):
-        if all(isinstance(x, (int, np.integer)) and not isinstance(x, bool) for x in result[1:]):
-            return len(result)
-    return 0

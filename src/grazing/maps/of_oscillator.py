@@ -12,10 +12,12 @@ from grazing.kernel.content import digest
 from grazing.maps.derivative import Derived
 from grazing.maps.origin import Origin
 from grazing.maps.starting import Box, boxes_at
+from grazing.oscillator.frames import frames_kind, frames_of, frames_rows
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import flight_kind, pointed_rows
 from grazing.oscillator.reach import Reach
 from grazing.oscillator.rig import Rig
+from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError
 from grazing.parameter import Parameter, parameter_tuple
 
@@ -31,6 +33,11 @@ class OfRig(Origin):
     def finder(self) -> str:
         """What finds periodic orbits: where the map shows the oscillator exactly, by the equations of its impacts."""
         return super().finder if self.section is None else "grazing.orbits.search_section:Sections"
+
+    @property
+    def equations(self) -> str:
+        """What makes the equations of an orbit: where the map shows the oscillator exactly, those of its impacts."""
+        return super().equations if self.section is None else "grazing.orbits.signature:of_section"
 
     def describe(self, name: str) -> Parameter:
         """Return what is known of a parameter or coordinate."""
@@ -63,6 +70,31 @@ class OfRig(Origin):
         """The base, which makes forces from other parameters, and reset laws of one's own, each by name and content."""
         own = ", ".join(f"{one.law.name} {digest(one.law.law)[:16]}" for one in self.rig.walls if one.law.own)
         return ({} if self.rig.base is None else {"base": self.rig.base.text}) | ({"law": own} if own else {})
+
+
+class OfWalls(OfRig):
+    """The origin of a map of an oscillator between walls, or at one that moves or is above the ball."""
+
+    rig: Walled
+
+    def __init__(self, walled: Walled) -> None:
+        self.rig = walled
+        self.exact = all(wall.law.exact_slope for wall in walled.walls)
+
+    @staticmethod
+    def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+        """Return where starts are drawn at a row of the map's parameters."""
+        raise NotImplementedError
+
+    def boxes(self, rows: Floats) -> Floats:
+        """Return the boxes at parameter values."""
+        return np.array([self.box_of(self.rig, row) for row in rows.tolist()]).reshape(-1, 2, 2)
+
+    def _derived(self, tangent: Callable[..., Any], rows: Floats, arithmetic: str) -> Derived:
+        """Return a derivative with the laws by address, compiled once for all; the phase is last in rows."""
+        numbers, source = frames_rows(self.rig, np.ascontiguousarray(rows), arithmetic)
+        H = self.rig.harmonics
+        return Derived(tangent, frames_of(H), frames_kind(H), numbers, source)
 
 
 class OfOscillator(OfRig):

@@ -12,8 +12,9 @@ from numpy.typing import NDArray
 from grazing.kernel.primitives import replaced
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import MANY, Hits, most_of
-from grazing.maps.map import Map, ending
+from grazing.maps.map import Map
 from grazing.maps.origin import Origin
+from grazing.maps.own_step import ending
 from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, OK, TOO_MANY_IMPACTS
 from grazing.parameter import parameter_tuple, real

@@ -98,6 +98,11 @@ class Origin(ByValue):
         return "grazing.orbits.search_steps:Steps"
 
     @property
+    def equations(self) -> str:
+        """What makes the equations that an orbit of the map solves, see :mod:`grazing.orbits.signature`."""
+        return "grazing.orbits.signature:of_points"
+
+    @property
     def walled(self) -> Any:
         """The oscillator between walls of its own that the map shows; None for any other map."""
         return self.rig if self.rig is not None and self.rig.walled else None

@@ -13,7 +13,8 @@ from numpy.typing import NDArray
 from grazing.kernel.primitives import unit
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
 from grazing.oscillator.constants import FAR, LEAP, OFFSET, Constants, forcing
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, next_contact, placed
+from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
+from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.flight import beside_far_wall, modes
 from grazing.outcome import (
     AMBIGUOUS,

@@ -6,9 +6,8 @@ how long its button stays pressed.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 
@@ -16,20 +15,11 @@ from grazing.billiard.carried import AHEAD, DVX, DVY, DX, DY, EACH, OF_GATES, OF
 from grazing.billiard.gates import STROKE, UNTIL, WAY, gate_of, gate_under, motion_at, moved, own_copy, pivot_of
 from grazing.billiard.hit import slope_of, spot_at, way_at
 from grazing.billiard.rows import LENGTH
-from grazing.kernel.primitives import behind, inlined, numbers, numbers_at, replaced
-from grazing.maps.collide import Place, arrived, arriving, departing, gone, velocity
+from grazing.kernel.primitives import behind, inlined, numbers, replaced
+from grazing.maps.collide import Kernels, arrived, arriving, departing, gone, kernels_of, velocity
 from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE
 
 NAN = float("nan")
-
-
-class Kernels(NamedTuple):
-    """The steps of a table with so many gates: compiled ones, with and without derivative, and as plain Python."""
-
-    step: Callable[..., Any]
-    tangent: Callable[..., Any]
-    plain: Callable[..., Any]
-    plain_tangent: Callable[..., Any]
 
 
 @inlined
@@ -134,19 +124,4 @@ def played_by(gates: int) -> Kernels:
         own[0] = work[0] = 0.0  # an array lives up to its last use, its numbers do not keep it
         return found
 
-    def step(state: Any, c: Place) -> Any:
-        new, letter, outcome, _J = take(state, numbers_at(c.block), False)
-        return new, letter, outcome
-
-    def tangent(state: Any, c: Place) -> Any:
-        new, letter, outcome, J = take(state, numbers_at(c.block), True)
-        return new, letter, outcome, (*J, NAN)
-
-    def plain(state: Any, block: Any) -> Any:
-        new, letter, outcome, _J = take(state, block, False)
-        return new, letter, outcome
-
-    def plain_tangent(state: Any, block: Any) -> Any:
-        return take(state, block, True)
-
-    return Kernels(step, tangent, plain, plain_tangent)
+    return kernels_of(take)

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from functools import lru_cache
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.columns import Columns
+from grazing.maps.derivative import deriving, plainly, stepping
 from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
@@ -35,46 +35,19 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-@lru_cache(maxsize=256)
-def step_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
-    """Return the step of the stroboscopic map for one reset law."""
-    period = period_of(law, slope, contraction, False)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J, _near, _slow = period(state, c)
-        return new, letter, outcome
-
-    return step
+def step_of(*law: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the step of the stroboscopic map for one reset law: ``law``, ``slope`` and ``contraction``."""
+    return stepping(period_of(*law, False))
 
 
-@lru_cache(maxsize=256)
-def tangent_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
-    """Return the step of the stroboscopic map with its Jacobian, for one reset law."""
-    derived = derived_of(law, slope, contraction)
-
-    def tangent(state: Any, c: Any) -> Any:
-        new, letter, outcome, J = derived(state, c)
-        return new, letter, outcome, (J[0], J[1], J[2], J[3])
-
-    return tangent
-
-
-@lru_cache(maxsize=256)
-def derived_of(
-    law: Callable[..., float], slope: Callable[..., float], contraction: Callable[..., Any]
-) -> Callable[..., Any]:
+def derived_of(*law: Callable[..., Any]) -> Callable[..., Any]:
     """Return the tangent of the stroboscopic map with log|det J| behind the Jacobian, for one reset law."""
-    period = period_of(law, slope, contraction, True)
+    return deriving(period_of(*law, True))
 
-    def derived(state: Any, c: Any) -> Any:
-        new, letter, outcome, J, _near, _slow = period(state, c)
-        return new, letter, outcome, J
 
-    return derived
+def tangent_of(*law: Callable[..., Any]) -> Callable[..., Any]:
+    """Return the step of the stroboscopic map with its Jacobian, for one reset law."""
+    return plainly(derived_of(*law))
 
 
 class Strobed(OfOscillator):

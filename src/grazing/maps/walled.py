@@ -11,16 +11,17 @@ from numpy.typing import NDArray
 
 from grazing.kernel.primitives import unit
 from grazing.maps.columns import Columns
-from grazing.maps.derivative import Derived
+from grazing.maps.derivative import Derived, deriving, stepping
 from grazing.maps.ensemble import Setting, block_tasks
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
-from grazing.maps.of_oscillator import OfRig, apart
+from grazing.maps.of_oscillator import OfWalls, apart
 from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
 from grazing.maps.settle import Settled, said_in_flight
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.constants import refuse_to_compile
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of
+from grazing.oscillator.contact import MAX_SWINGS
+from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.facing import fill_frames
 from grazing.oscillator.flight import modes
@@ -149,30 +150,6 @@ def walled_of(first: Law, second: Law, with_tangent: bool) -> Callable[..., Any]
     return period
 
 
-@lru_cache(maxsize=256)
-def walled_tangent_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the map with its Jacobian and log|det J| behind it."""
-    period = walled_of(first, second, True)
-
-    def derived(state: Any, c: Any) -> Any:
-        new, letter, outcome, J, _near, _slow = period(state, c)
-        return new, letter, outcome, J
-
-    return derived
-
-
-@lru_cache(maxsize=256)
-def walled_step_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the map."""
-    period = walled_of(first, second, False)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J, _near, _slow = period(state, c)
-        return new, letter, outcome
-
-    return step
-
-
 def no_table(t: Any, s: Any, x: Any, c: Frames, blocks: int) -> bool:
     """Fill no table: all is left to the scalar routine."""
     return False
@@ -198,15 +175,22 @@ def between_walls(harmonics: int, walls: int) -> Setting:
     return Setting(max(walls, 1), frames_kind(harmonics), frames_of(harmonics), period, fill, impacts)
 
 
-class Strobed(OfRig):
+def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where starts are drawn: between the walls, or as far from the only one as orbits go by an estimate."""
+    (low, slow), (high, fast) = walls_at_strobe(model, np.array(row))
+    reach, two = model.reach_at(row[:-1]), len(model.walls) > 1
+    speed = max(min(one.speed, one.after) if two else one.speed for one in reach)
+    if not two:
+        low, high = sorted((low, low + model.walls[0].sign * reach[0].height))
+    edge = 1e-3 * (high - low)
+    return (low + edge, high - edge), (min(slow, fast) - speed, max(slow, fast) + speed)
+
+
+class Strobed(OfWalls):
     """The origin of the stroboscopic map of an oscillator with two walls, or one that moves or is above it."""
 
     section = "strobe"
-    rig: Walled
-
-    def __init__(self, walled: Walled) -> None:
-        self.rig = walled
-        self.exact = all(wall.law.exact_slope for wall in walled.walls)
+    box_of = staticmethod(box_of)
 
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values, from a model that checks their ranges."""
@@ -215,9 +199,7 @@ class Strobed(OfRig):
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step with the laws by address: compiled once for all."""
-        numbers, source = frames_rows(self.rig, np.ascontiguousarray(rows), arithmetic)
-        H = self.rig.harmonics
-        return Derived(walled_tangent_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, source)
+        return self._derived(deriving(walled_of(POINTED, POINTED, True)), rows, arithmetic)
 
     def block(
         self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
@@ -267,10 +249,6 @@ class Strobed(OfRig):
         """Return the time that orbits took for so many steps, each of a period."""
         return periods_passed(list(self.rig.params).index("omega"), rows, first, last, letters, steps)
 
-    def boxes(self, rows: Floats) -> Floats:
-        """Return the boxes at parameter values."""
-        return np.array([box_of(self.rig, row) for row in rows.tolist()]).reshape(-1, 2, 2)
-
 
 def walled_map(model: Walled, phase: float) -> Map:
     """Return the stroboscopic map of an oscillator between walls; :func:`grazing.stroboscopic_map` calls this."""
@@ -278,13 +256,13 @@ def walled_map(model: Walled, phase: float) -> Map:
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
     params = {**model.params, "phase": phase}
     return Map(
-        walled_step_of(laws[0], laws[-1]),
+        stepping(walled_of(laws[0], laws[-1], False)),
         params=params,
         coordinates=("u", "v"),
         box=box_of(model, list(params.values())),
         letters=Hits(model.names) if len(model.walls) > 1 else None,
         prepare=partial(_plain, model),
-        tangent=walled_tangent_of(laws[0], laws[-1]),
+        tangent=deriving(walled_of(laws[0], laws[-1], True)),
         name="stroboscopic map",
         origin=Strobed(model),
     )
@@ -292,14 +270,3 @@ def walled_map(model: Walled, phase: float) -> Map:
 
 def _plain(model: Walled, p: Any) -> Frames:
     return plain_frames(model, np.array(p, np.float64))
-
-
-def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return where starts are drawn: between the walls, or as far from the only one as orbits go by an estimate."""
-    (low, slow), (high, fast) = walls_at_strobe(model, np.array(row))
-    reach, two = model.reach_at(row[:-1]), len(model.walls) > 1
-    speed = max(min(one.speed, one.after) if two else one.speed for one in reach)
-    if not two:
-        low, high = sorted((low, low + model.walls[0].sign * reach[0].height))
-    edge = 1e-3 * (high - low)
-    return (low + edge, high - edge), (min(slow, fast) - speed, max(slow, fast) + speed)

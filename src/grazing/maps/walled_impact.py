@@ -10,15 +10,16 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.derivative import Derived
+from grazing.maps.derivative import Derived, plainly, stepping
 from grazing.maps.hits import LATER, Struck
 from grazing.maps.map import Map
-from grazing.maps.of_oscillator import OfRig
+from grazing.maps.of_oscillator import OfWalls
 from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period
 from grazing.maps.settle import said_in_flight
 from grazing.oscillator.constants import forcing
-from grazing.oscillator.contact import FLIES, LIES, MAX_SWINGS, departure_of, placed
-from grazing.oscillator.frames import Frames, first_contact, frame_of, frames_kind, frames_of, frames_rows, plain_frames
+from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
+from grazing.oscillator.departure import FLIES, LIES, departure_of
+from grazing.oscillator.frames import Frames, first_contact, frame_of, plain_frames
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
@@ -35,11 +36,11 @@ def sign_of(b: bool, c: Frames) -> float:
 
 
 @lru_cache(maxsize=256)
-def return_of(first: Law, second: Law) -> Callable[..., Any]:
+def return_of(first: Law, second: Law, still: bool = False) -> Callable[..., Any]:
     """Return ``tangent(state, c) -> (state, letter, outcome, J)`` of the impact map for the laws of two walls.
 
-    As over one wall, :func:`grazing.maps.impact.return_of`; the sign of a velocity says which wall was left, that of
-    a zero, too.
+    J is followed by the logarithm of |det J|. The sign of a velocity says which wall was left, that of a zero, too.
+    ``still`` is for one wall at rest below the ball, whose frames are :func:`grazing.oscillator.frames.alone`.
     """
     departs, departs_b = departure_of(*first), departure_of(*second)
     slope, slope_b = first[1], second[1]
@@ -47,7 +48,7 @@ def return_of(first: Law, second: Law) -> Callable[..., Any]:
     def tangent(state: Any, c: Any) -> Any:
         tau, v = state
         lost, T = (NAN, NAN, NAN, NAN, NAN), c.a.T
-        b = c.two and copysign(1.0, v) < 0.0
+        b = not still and c.two and copysign(1.0, v) < 0.0
         from_side = sign_of(b, c)
         w = abs(v)
         if not (w < INFINITY and abs(tau) < INFINITY) or (v != 0.0 and from_side * v < 0.0):
@@ -62,7 +63,10 @@ def return_of(first: Law, second: Law) -> Callable[..., Any]:
         while strobes <= MAX_PERIODS:
             hit = rests
             if not rests:
-                hit, b, ball, flags, _near = first_contact(ball, b, c)
+                if still:
+                    hit, ball, flags, _near = next_contact(ball, c.a)
+                else:
+                    hit, b, ball, flags, _near = first_contact(ball, b, c)
                 outcome |= flags
             if hit:
                 arrived, here = ball.v, frame_of(b, c)
@@ -98,40 +102,19 @@ def return_of(first: Law, second: Law) -> Callable[..., Any]:
     return tangent
 
 
-@lru_cache(maxsize=256)
-def return_tangent_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the impact map with its Jacobian."""
-    derived = return_of(first, second)
-
-    def tangent(state: Any, c: Any) -> Any:
-        new, letter, outcome, J = derived(state, c)
-        return new, letter, outcome, (J[0], J[1], J[2], J[3])
-
-    return tangent
+def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return where starts are drawn: any phase, and velocities after impacts with each wall."""
+    reach = model.reach_at(row)
+    after = [wall.sign * min(one.speed, one.after) for wall, one in zip(model.walls, reach, strict=True)]
+    return (0.0, reach[0].period), (min(0.0, *after), max(0.0, *after))
 
 
-@lru_cache(maxsize=256)
-def return_step_of(first: Law, second: Law) -> Callable[..., Any]:
-    """Return the step of the impact map."""
-    derived = return_of(first, second)
-
-    def step(state: Any, c: Any) -> Any:
-        new, letter, outcome, _J = derived(state, c)
-        return new, letter, outcome
-
-    return step
-
-
-class Returned(OfRig):
+class Returned(OfWalls):
     """The origin of an impact map of an oscillator between walls, or at one that moves or is above it."""
 
     section = "impact"
     sized = True
-    rig: Walled
-
-    def __init__(self, walled: Walled) -> None:
-        self.rig = walled
-        self.exact = all(wall.law.exact_slope for wall in walled.walls)
+    box_of = staticmethod(box_of)
 
     def replace(self, params: Mapping[str, float]) -> Map:
         """Make the map at other values, from a model that checks their ranges."""
@@ -139,10 +122,7 @@ class Returned(OfRig):
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step with the laws by address: compiled once for all."""
-        source = np.ascontiguousarray(np.column_stack([rows, np.zeros(len(rows))]))
-        numbers, kept = frames_rows(self.rig, source, arithmetic)
-        H = self.rig.harmonics
-        return Derived(return_of(POINTED, POINTED), frames_of(H), frames_kind(H), numbers, kept)
+        return self._derived(return_of(POINTED, POINTED), np.column_stack([rows, np.zeros(len(rows))]), arithmetic)
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a velocity into the only wall; of two walls its sign says which was hit."""
@@ -164,22 +144,19 @@ class Returned(OfRig):
         omega = rows[:, list(self.rig.params).index("omega"), None]
         return last[:, 0] - first[:, 0] + (letters % LATER) * (2.0 * np.pi / omega)
 
-    def boxes(self, rows: Floats) -> Floats:
-        """Return the boxes at parameter values."""
-        return np.array([box_of(self.rig, row) for row in rows.tolist()]).reshape(-1, 2, 2)
-
 
 def walled_impact_map(model: Walled) -> Map:
     """Return the impact map of an oscillator between walls; :func:`grazing.impact_map` calls this."""
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
+    derived = return_of(laws[0], laws[-1])
     return Map(
-        return_step_of(laws[0], laws[-1]),
+        stepping(derived),
         params=model.params,
         coordinates=("tau", "v_plus"),
         box=box_of(model, list(model.params.values())),
         letters=Struck(model.names) if len(model.walls) > 1 else None,
         prepare=partial(_plain, model),
-        tangent=return_tangent_of(laws[0], laws[-1]),
+        tangent=plainly(derived),
         name="impact map",
         origin=Returned(model),
     )
@@ -187,10 +164,3 @@ def walled_impact_map(model: Walled) -> Map:
 
 def _plain(model: Walled, p: Any) -> Frames:
     return plain_frames(model, np.array([*p, 0.0], np.float64))
-
-
-def box_of(model: Walled, row: list[float]) -> tuple[tuple[float, float], tuple[float, float]]:
-    """Return where starts are drawn: any phase, and velocities after impacts with each wall."""
-    reach = model.reach_at(row)
-    after = [wall.sign * min(one.speed, one.after) for wall, one in zip(model.walls, reach, strict=True)]
-    return (0.0, reach[0].period), (min(0.0, *after), max(0.0, *after))

@@ -20,7 +20,8 @@ from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import replaced
 from grazing.maps.period import period_of
 from grazing.oscillator.constants import Constants, constants_of, forcing, section_phase
-from grazing.oscillator.contact import FLIES, departure_of, next_contact, placed
+from grazing.oscillator.contact import next_contact, placed
+from grazing.oscillator.departure import FLIES, departure_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED, flight_kind, pointed_law, pointed_model

@@ -58,6 +58,11 @@ class BounceOrbit(Orbit):
             object.__setattr__(self, name, array)
 
     @property
+    def solves(self) -> str:
+        """What makes the equations of its impacts."""
+        return "grazing.orbits.bounce_equations:equations_of_bounces"
+
+    @property
     def time(self) -> float:
         """How long one turn takes."""
         return float(self.durations.sum())

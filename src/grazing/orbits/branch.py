@@ -12,10 +12,9 @@ from numpy.typing import NDArray
 from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
-from grazing.orbits.corrector import Point, closed
-from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.corrector import closed
+from grazing.orbits.equations import Equations, Stretch
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.resting import RestEquations, stretch
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Relabelling, Special
 from grazing.orbits.switching import (
@@ -36,8 +35,6 @@ Floats = NDArray[np.float64]
 
 #: Narrowest range, in units of its ends.
 NARROWEST = 1e-10
-#: Part of a period that accumulation and release may be apart at an onset of chatter.
-MET = 1e-3
 #: Points that following takes in all, unless more are asked for: some 100 s.
 POINTS = 20_000
 
@@ -200,13 +197,14 @@ def followed(
     if isinstance(orbit, Special):
         seeds = switched(orbit, name, (low, high))
     elif isinstance(orbit, Orbit):
-        seeds = [begun(P, orbit, name, (low, high))]
+        equations, x, value = own_equations(P, orbit, name, (low, high))
+        known = equations.stretch(value, (low, high))
+        if known is not None:
+            work.spend(len(known.orbits))
+            return known_branch(P, name, (low, high), equations, known)
+        seeds = [begun(equations, x, value, orbit, name)]
     else:
         raise InputError(f"orbit is {shown(orbit)}; give an Orbit, or a special point of a branch")
-    if isinstance(orbit, Orbit) and isinstance(seeds[0].equations, RestEquations):
-        rested = resting_branch(P, name, (low, high), seeds[0].equations, value_of(name, orbit.map.params))
-        work.spend(len(rested.pieces[0].orbits))
-        return rested
     search = Pieces(name, (low, high), step, whole(limit, "limit", 2), seeds, work)
     while search.waiting and work.left > 1:
         search.advance()
@@ -214,21 +212,19 @@ def followed(
     return Branch(P, name, (low, high), *found, len(search.waiting))
 
 
-def resting_branch(P: Map, name: str, bounds: tuple[float, float], equations: RestEquations, value: float) -> Branch:
-    """Return the branch of an orbit that rests on the wall, with the onset of chatter at its ends."""
-    found = stretch(equations, value, bounds)
+def known_branch(P: Map, name: str, bounds: tuple[float, float], equations: Equations, known: Stretch) -> Branch:
+    """Return the branch of an orbit that is known without following, as one that rests, with what is at its ends."""
     special: list[Special] = []
     events: list[int] = []
-    for onset, place in zip(found.onsets, (0, len(found.values) - 1), strict=True):
+    for onset, place in zip(known.onsets, (0, len(known.values) - 1), strict=True):
         if onset is not None:
-            converged = onset.left < MET * equations.model.period
             low, high = sorted((onset.inside, onset.outside))
-            special.append(Special("ch", onset.inside, low, high, converged, found.orbits[place], True, -1, 0))
+            special.append(Special("ch", onset.inside, low, high, onset.surely, known.orbits[place], True, -1, 0))
             events.append(place)
-    begins, ends = (onset.reason if onset is not None else "bounds" for onset in found.onsets)
-    unknowns = np.zeros((len(found.values), 1))
+    begins, ends = (onset.reason if onset is not None else "bounds" for onset in known.onsets)
+    unknowns = np.zeros((len(known.values), 1))
     types = tuple(one.type for one in special)
-    piece = Piece(equations, unknowns, found.values, found.orbits, tuple(events), types, (begins, ends))
+    piece = Piece(equations, unknowns, known.values, known.orbits, tuple(events), types, (begins, ends))
     return Branch(P, name, bounds, (piece,), tuple(special), ())
 
 
@@ -264,8 +260,8 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
     return low, high
 
 
-def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
-    """Return where a branch begins that holds a given orbit."""
+def own_equations(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> tuple[Equations, Floats, float]:
+    """Return the equations of an orbit of a map, its unknowns and its value of a parameter; refuse another's orbit."""
     low, high = bounds
     value = value_of(name, orbit.map.params)
     moved = (*named_by(name, P.params), *P.origin.followers)
@@ -279,11 +275,13 @@ def begun(P: Map, orbit: Orbit, name: str, bounds: tuple[float, float]) -> Seed:
         )
     if not low <= value <= high:
         raise InputError(f"the orbit is known at {name} = {value:g}, outside of [{low:g}, {high:g}]; widen the range")
-    equations, x = equations_of(orbit, (name,), np.array([high - low]))
+    return *equations_of(orbit, (name,), np.array([high - low])), value
+
+
+def begun(equations: Equations, x: Floats, value: float, orbit: Orbit, name: str) -> Seed:
+    """Return where a branch begins that holds a given orbit."""
     p = np.array([value])
-    if isinstance(equations, RestEquations):
-        return Seed(equations, Point(np.zeros(2), np.zeros(2), ()))
-    if isinstance(equations, FreeEquations) and orbit.degenerate:
+    if equations.linear and orbit.degenerate:
         raise Unsettled(
             f"{shown(orbit)} is one of a continuum at {name} = {value:g}: a multiplier is 1, and no branch leads "
             "through one of them alone; begin with an orbit that has impacts"

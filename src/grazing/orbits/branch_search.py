@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from itertools import combinations
 from typing import NamedTuple
 
 import numpy as np
@@ -128,6 +129,12 @@ def bracketed(equations: Equations, event: Event, x: Floats, p: Floats) -> tuple
     if not np.isfinite(shift):
         return low, high, False
     return value - shift, value + shift, True
+
+
+def turning(multipliers: NDArray[np.complex128]) -> bool:
+    """Whether the two multipliers whose product is 1 are a complex pair; at two real ones there is no bifurcation."""
+    pair = min(combinations(multipliers.tolist(), 2), key=lambda both: abs(both[0] * both[1] - 1.0))
+    return bool(abs(pair[0].imag) > 0.0)
 
 
 class Crossing(NamedTuple):
@@ -255,8 +262,8 @@ class Pieces:
             self.special.append(one)
             return one.type
         type, orbit = event.type, equations.orbit(x, p)
-        if type == "ns" and not abs(orbit.multipliers[0].imag) > 0.0:
-            return ""  # real multipliers whose product is 1: no bifurcation
+        if type == "ns" and not turning(orbit.multipliers):
+            return ""
         seeds = partners(equations, event, x, p) if type in ("gr", "v0", "bcb") else []
         type, wall = equations.called(type, event.where, p)
         edge = on_the_edge(equations, event)
@@ -277,18 +284,13 @@ class Pieces:
         x, p = unscaled(seed.equations, seed.point.z)
         for number, begun_there in enumerate(self.pieces):  # from another point that collides there too
             there, near = begun_there.equations, abs(begun_there.values[0] - p[-1]) < 1e-6 * seed.equations.spans[-1]
-            if (
-                begun_there.ends[0] in SPECIAL
-                and near
-                and type(there) is type(seed.equations)
-                and there.N == seed.equations.N
-            ):
-                if seed.equations.same(x, there, begun_there.unknowns[0], p):
-                    self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
-                    return True
+            known = begun_there.ends[0] in SPECIAL and near and seed.equations.alike(there)
+            if known and seed.equations.same(x, there, begun_there.unknowns[0], p):
+                self.special[seed.origin] = self.special[seed.origin]._replace(to=number)
+                return True
         for i, one in enumerate(self.special):
             piece = self.pieces[one.piece].equations
-            if i == seed.origin or type(piece) is not type(seed.equations) or piece.N != seed.equations.N:
+            if i == seed.origin or not seed.equations.alike(piece):
                 continue
             there, _x = equations_of(one.orbit, (self.name,), seed.equations.spans)
             near = abs(one.value - p[-1]) < 1e-6 * seed.equations.spans[-1]

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.orbits.impact_orbit import ImpactOrbit
-from grazing.orbits.piece_equations import PieceOrbit
+from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.special import SPECIAL
 
 if TYPE_CHECKING:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from functools import lru_cache
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.orbits.orbit import Orbit
 from grazing.outcome import InputError
+
+if TYPE_CHECKING:
+    from grazing.orbits.even_equations import EvenEquations
 
 Floats = NDArray[np.float64]
 
@@ -68,6 +71,26 @@ class Across(NamedTuple):
     smooth: bool
 
 
+class Onset(NamedTuple):
+    """Where an orbit is of its kind no longer: the last value at which it is, the first at which it is not, the reason.
+
+    ``surely`` says whether what ends it is zero there.
+    """
+
+    inside: float
+    outside: float
+    surely: bool
+    reason: str
+
+
+class Stretch(NamedTuple):
+    """The orbits along a parameter where all are known, and what is at either end, or None."""
+
+    values: Floats
+    orbits: tuple[Orbit, ...]
+    onsets: tuple[Onset | None, Onset | None]
+
+
 class Equations(ABC):
     """Equations F(x, p) = 0 of an orbit, with as many unknowns x as equations, and parameters p by name.
 
@@ -77,6 +100,10 @@ class Equations(ABC):
     """
 
     pieced = False
+    #: What begins other branches at a graze or at a border, see :func:`grazing.orbits.switching.partners`.
+    others = "grazing.orbits.switching:flipped"
+    #: Whether a solution with a multiplier 1 is one of a continuum, as it is of linear equations.
+    linear = False
 
     names: tuple[str, ...]
     N: int
@@ -111,6 +138,10 @@ class Equations(ABC):
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same."""
         return None
 
+    def even(self) -> EvenEquations | None:
+        """Return the equations of the orbits that are their own mirror images; None where there are none."""
+        return None
+
     def doubling(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:
         """Return the equations of two turns, and the solution that goes round twice."""
         raise InputError("an orbit without impacts has no period doubling: its free flight is linear")
@@ -122,6 +153,10 @@ class Equations(ABC):
     def later(self, x: Floats, p: Floats, k: int) -> Floats | None:
         """Return by how much an orbit differs, scaled, if begun a k-th of its turn later; None for one that cannot."""
         return None
+
+    def alike(self, other: Equations) -> bool:
+        """Whether other equations are of the same kind, for as many steps."""
+        return type(other) is type(self) and other.N == self.N
 
     def same(self, x: Floats, other: Equations, y: Floats, p: Floats) -> bool:
         """Whether a solution is one orbit with another, begun at another impact or point perhaps."""
@@ -156,6 +191,10 @@ class Equations(ABC):
     def ending(self, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
         """Say what is met from a solution in a direction, in which there is no other one farther than ``gap``."""
         return Ending("", -1, 0.0)
+
+    def stretch(self, value: float, bounds: tuple[float, float]) -> Stretch | None:
+        """Return the orbits within a range of the parameter, where all are known without following; else None."""
+        return None
 
     def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return :meth:`defects` at several points, x (k, n) and p (k, names): shapes (k, n) and (k, n, n)."""

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing.orbits.equations import Equations, Test
-from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.special import Special
 from grazing.outcome import InputError, shown
+
+if TYPE_CHECKING:
+    from grazing.orbits.impact_equations import ImpactEquations
 
 Floats = NDArray[np.float64]
 #: An orbit this near to its mirror image, in scaled unknowns, at a branch point is its own one there.
@@ -88,8 +92,8 @@ def evenly(special: Special, base: Equations, x: Floats, p: Floats) -> tuple[Eve
     InputError
         For another branch point, and for parameters that take the symmetry from the model.
     """
-    apart = base.mirrored(x, p)
-    if not isinstance(base, ImpactEquations) or apart is None or np.abs(apart).max() > EVEN:
+    apart, even = base.mirrored(x, p), base.even()
+    if even is None or apart is None or np.abs(apart).max() > EVEN:
         raise InputError(
             f"{shown(special)} cannot be followed: of branch points only those are at which symmetry breaks"
         )
@@ -100,5 +104,4 @@ def evenly(special: Special, base: Equations, x: Floats, p: Floats) -> tuple[Eve
             raise InputError(
                 f"{name} takes the symmetry from the model, and the {special.type} with it; give another one"
             )
-    even = EvenEquations(base)
     return even, even.half(x, p)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from importlib import import_module
-from typing import TYPE_CHECKING, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 from grazing.maps.map import Map
 from grazing.orbits.orbit import Orbit
@@ -102,10 +102,16 @@ class Finder:
         return ""
 
 
+def named(place: str) -> Any:
+    """Return what an object of a layer below, or of another system, names as ``module:name``."""
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
+
+
 def finder_of(P: Map) -> Finder:
     """Return what finds the orbits of a map."""
-    module, _, name = P.origin.finder.partition(":")
-    return getattr(import_module(module), name)(P)  # type: ignore[no-any-return]
+    found: Finder = named(P.origin.finder)(P)
+    return found
 
 
 def ranged(periods: Sequence[int]) -> str:

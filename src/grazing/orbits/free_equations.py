@@ -36,6 +36,9 @@ FAR = 1e9
 class FreeEquations(FlightEquations):
     """The state (y, v) at the strobe, as the first wall sees it, that one period of free flight repeats."""
 
+    linear = True
+    others = "grazing.orbits.grazes:risen"
+
     def __init__(self, model: Rig, names: tuple[str, ...], spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.n, self.N = 0, 1

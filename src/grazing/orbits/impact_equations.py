@@ -23,6 +23,7 @@ from grazing.orbits.contacts import (
     wall_of,
 )
 from grazing.orbits.equations import ONE, Equations, Test
+from grazing.orbits.even_equations import EvenEquations
 from grazing.orbits.flight_equations import FlightEquations, Prepared
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import multipliers
@@ -74,6 +75,8 @@ class ImpactEquations(FlightEquations):
     spans : array_like
         Size of each parameter that varies.
     """
+
+    others = "grazing.orbits.grazes:begun"
 
     def __init__(self, model: Rig, names: tuple[str, ...], N: int, pieces: Sequence[int], spans: Any = None) -> None:
         super().__init__(model, names, spans)
@@ -277,6 +280,10 @@ class ImpactEquations(FlightEquations):
             return None
         model = self.model_at(p)
         return self.uneven(x, self.period_at(p)) if model.symmetric else None
+
+    def even(self) -> EvenEquations:
+        """Return the equations of the orbits that are their own mirror images."""
+        return EvenEquations(self)
 
     def uneven(self, x: Floats, T: float) -> Floats:
         """Return by how much the second half of the impacts differs from the first one, scaled."""

@@ -50,6 +50,11 @@ class ImpactOrbit(Orbit):
             object.__setattr__(self, name, array)
 
     @property
+    def solves(self) -> str:
+        """What makes the equations of its impacts."""
+        return "grazing.orbits.signature:of_impacts"
+
+    @property
     def model(self) -> Rig:
         """The oscillator."""
         model = model_of(self.map)

@@ -18,7 +18,8 @@ from grazing.orbits.equations import Equations, Test
 from grazing.orbits.even_equations import evenly
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Path, follow, joined
-from grazing.orbits.piece_equations import PieceOrbit, border_units
+from grazing.orbits.piece_letters import border_units
+from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.signature import equations_of
 from grazing.orbits.solved import Solved
 from grazing.orbits.special import SPECIAL, Special

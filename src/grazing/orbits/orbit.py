@@ -69,6 +69,11 @@ class Orbit(ByValue):
             object.__setattr__(self, name, array)
 
     @property
+    def solves(self) -> str:
+        """What makes the equations that it solves, ``module:name``, see :mod:`grazing.orbits.signature`."""
+        return self.map.origin.equations
+
+    @property
     def stable(self) -> bool:
         """Whether nearby orbits come back to it: every multiplier is surely inside the unit circle."""
         return bool((np.abs(self.multipliers) < 1.0 - max(ROUNDING, self.doubt)).all())

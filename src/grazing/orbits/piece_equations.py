@@ -6,72 +6,28 @@ its distance from the border has that root as an unknown of its own, of either s
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.bordered import Images
 from grazing.maps.map import Map
 from grazing.orbits.equations import ONE, Across, Ending, Equations, Test
 from grazing.orbits.map_equations import MapEquations, alike, product, product_error, tests_of
 from grazing.orbits.one_sided import EPS, FINER, FIRST, distances, slope
-from grazing.orbits.orbit import Orbit, condition_of
-from grazing.orbits.piece_end import JUMP, POWER, TURN
+from grazing.orbits.orbit import condition_of
+from grazing.orbits.piece_end import JUMP, TURN
+from grazing.orbits.piece_letters import border_units
+from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.point_equations import PointEquations
-from grazing.orbits.search_windows import drawn
 from grazing.orbits.word import word
-from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Letters whose images miss the next point by less than this part of its size are equally good.
-EQUAL = 1e-9
-
-#: States of the box from which lines to a border begin, and distances from it, in their length, at which pieces are
-#: looked at.
-LINES, BESIDE = 64, 4.0 ** np.arange(-18.0, -5.0)
 #: Coordinates smaller than this part of the box get finer differences: a formula may have a root there.
 NEAR = 1e-4
-
-
-@dataclass(frozen=True, eq=False, kw_only=True)
-class PieceOrbit(Orbit):
-    """A periodic orbit of a map by pieces, virtual where a point lies beyond the border of its letter.
-
-    Parameters
-    ----------
-    letters : tuple of int
-        The piece of each point.
-    margins : ndarray, shape (period,)
-        How far each point lies on the side of its letter, in the unit of the border; negative beyond it. Read-only.
-    """
-
-    letters: tuple[int, ...]
-    margins: Floats
-
-    def __post_init__(self) -> None:
-        super().__post_init__()
-        margins = np.array(self.margins)
-        margins.flags.writeable = False
-        object.__setattr__(self, "margins", margins)
-
-    @property
-    def clearance(self) -> float:
-        """The least margin."""
-        return float(self.margins.min())
-
-    @property
-    def depth(self) -> float:
-        """How far beyond its border the farthest point of a virtual orbit lies; 0 for none."""
-        return max(0.0, -self.clearance)
-
-    def __repr__(self) -> str:
-        said = super().__repr__()
-        return said if self.admissible else f"{said[:-1]} ({self.depth:.3g} beyond the border)>"
 
 
 class Looked(NamedTuple):
@@ -496,99 +452,3 @@ def pattern(N: int, k: int, m: int, L: int) -> tuple[Floats, Floats, Ints]:
         shifts[first : first + 2 * L, j] = both.ravel()
         which[..., k + j] = (first + np.arange(2 * L)).reshape(2, L, 1)
     return moves, shifts, which
-
-
-def border_units(P: Map) -> Floats:
-    """Return the size of each border function over the box, 1 where it is nothing."""
-    corners = np.array(np.meshgrid(*P.box)).reshape(P.dimension, -1).T[:64]
-    states = np.vstack([corners, np.array(P.box).mean(axis=1)])
-    borders = np.abs(P.images()(P.packed()[1][None], 0, states, 0, 0.0)[1])
-    size = np.where(np.isfinite(borders), borders, 0.0).max(axis=0)
-    return np.where(size > 0.0, size, 1.0)
-
-
-def one_sided(P: Map) -> tuple[bool, ...]:
-    """Return which pieces have no value beyond a border of theirs, or are infinitely steep at it.
-
-    They are looked at along lines through the box from one side of the border to the other.
-    """
-    assert P.formulas is not None
-    row, images, m = P.packed()[1][None], P.images(), len(P.formulas.borders)
-    states = drawn(0, LINES, np.array(P.box), 0.0).T
-    borders = images(row, 0, states, 0, 0.0)[1]
-    found = [False] * (m + 1)
-    for i in range(m):
-        inside, outside = states[borders[:, i] < 0.0], states[borders[:, i] >= 0.0]
-        count = min(len(inside), len(outside), 4)
-        a, b = inside[:count], outside[:count]
-        for _ in range(60 if count else 0):
-            middle = 0.5 * (a + b)
-            left = (images(row, 0, middle, 0, 0.0)[1][:, i] < 0.0)[:, None]
-            a, b = np.where(left, middle, a), np.where(left, b, middle)
-        way = outside[:count] - inside[:count]
-        for k in (i, i + 1):
-            if count and not P.formulas.rooted[k]:
-                found[k] |= any(_steep(images, row, k, b, side * way) for side in (1.0, -1.0))
-    return tuple(found)
-
-
-def _steep(images: Images, row: Floats, k: int, points: Floats, way: Floats) -> bool:
-    """Whether a piece has no value next to points (n, dim) in directions, or is infinitely steep there."""
-    ahead = points + np.stack([BESIDE, 2.0 * BESIDE])[..., None, None] * way
-    values = images(row, 0, ahead.reshape(-1, points.shape[1]), k, 0.0)[0].reshape(ahead.shape)
-    if not np.isfinite(values).all():
-        return True
-    change, noise = np.abs(values[1] - values[0]).max(axis=-1), 1e3 * EPS * np.abs(values).max(axis=(0, -1))
-    with np.errstate(all="ignore"):
-        power = np.log(change[1:] / change[:-1]) / np.log(BESIDE[1:] / BESIDE[:-1])[:, None]
-    heard = (change > noise)[1:] & (change > noise)[:-1]
-    seen = [one[good][:4] for one, good in zip(power.T, heard.T, strict=True)]
-    return any(len(one) == 4 and bool((one < POWER).all()) for one in seen)
-
-
-def letters_from(P: Map, points: Floats) -> tuple[tuple[int, ...], Floats]:
-    """Return the letters of an orbit's points from their images, so that those of a virtual one are right, and roots.
-
-    Where two letters lead to the next point the map's own one is taken.
-    """
-    assert P.formulas is not None
-    row, images, after = P.packed()[1][None], P.images(), np.roll(points, -1, axis=0)
-    own = [int(P.orbit(point, 1).letters[0]) for point in points]
-    size = 1.0 + np.abs(after).max()
-    best: list[tuple[float, int, float]] = [(np.inf, k, 0.0) for k in own]
-    borders = images(row, 0, points, 0, 0.0)[1]
-    for k, rooted in enumerate(P.formulas.rooted):
-        distance = (
-            np.sqrt(np.maximum((-1.0 if k == 0 else 1.0) * borders[:, 0], 0.0)) if rooted else np.zeros(len(points))
-        )
-        for sign in (1.0, -1.0) if rooted else (1.0,):
-            found = images(row, 0, points, k, sign * distance)[0]
-            off = np.nan_to_num(np.abs(found - after).max(axis=1), nan=np.inf)
-            for j, one in enumerate(off):
-                close = one <= EQUAL * size and (best[j][0] > EQUAL * size or (k == own[j] and best[j][1] != k))
-                if close or (one < best[j][0] and best[j][0] > EQUAL * size):
-                    best[j] = float(one), k, float(sign * distance[j])
-    return tuple(one[1] for one in best), np.array([one[2] for one in best])
-
-
-def equations_of_pieces(
-    orbit: Orbit, names: tuple[str, ...], spans: Any = None
-) -> tuple[PieceEquations | MapEquations, Floats]:
-    """Return the equations that an orbit of a map by pieces solves, and its unknowns.
-
-    Where a piece of its word ends at its border after all, they are those of maps that are not by pieces, which do too.
-    """
-    P = orbit.map
-    if isinstance(orbit, PieceOrbit):
-        letters, roots = orbit.letters, np.sign(orbit.margins) * np.sqrt(np.abs(orbit.margins))
-    else:
-        letters, roots = letters_from(P, orbit.points)
-    if len(letters) != orbit.period:
-        raise InputError(f"{orbit!r} has {len(letters)} points for period {orbit.period}")
-    ends = one_sided(P)
-    if any(ends[k] for k in letters):
-        plain, x = MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
-        if plain.visited(x, np.array([P.params[name] for name in names]))[1] == letters:
-            return plain, x
-    equations = PieceEquations(P, names, letters, spans)
-    return equations, equations.unknowns(orbit.points, roots)

@@ -19,7 +19,7 @@ from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.contacts import PIECES, addresses, framer, model_of, on_wall
-from grazing.orbits.equations import Test
+from grazing.orbits.equations import Onset, Stretch, Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
@@ -38,6 +38,8 @@ SLOW = 1e-9
 IMPACTS, PERIODS = 10_000, 64
 #: Rests on the way from a release to the same one again, and how near to it, in periods, a release is the same.
 STAGES, ROUNDING = 8, 1e-9
+#: Part of a period that accumulation and release may be apart at an onset of chatter.
+MET = 1e-3
 #: Parts into which a range is cut to look for the onset of chatter.
 PARTS = 100
 
@@ -163,6 +165,10 @@ class RestEquations(FlightEquations):
             return "the ball comes to rest in another period"
         return ""
 
+    def stretch(self, value: float, bounds: tuple[float, float]) -> Stretch:
+        """Return the orbits as far as the ball rests, with the onset of chatter at the ends."""
+        return stretch(self, value, bounds)
+
     def orbit(self, x: Floats, p: Floats) -> Orbit:
         """Return the orbit as the stroboscopic map sees it; its multipliers are 0."""
         model = self.model_at(p)
@@ -223,26 +229,6 @@ def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any
     )
 
 
-class Stretch(NamedTuple):
-    """Where an orbit rests along a parameter: its orbits, and the onset of chatter at either end, or None."""
-
-    values: Floats
-    orbits: tuple[Orbit, ...]
-    onsets: tuple[Onset | None, Onset | None]
-
-
-class Onset(NamedTuple):
-    """Where chatter is complete no longer: the last value at which it is, the first at which it is not, the reason.
-
-    ``left`` is the time between accumulation and release at ``inside``: 0 at a true onset.
-    """
-
-    inside: float
-    outside: float
-    left: float
-    reason: str
-
-
 def stretch(equations: RestEquations, value: float, bounds: tuple[float, float]) -> Stretch:
     """Follow an orbit that rests from one value of the parameter to both ends of a range, or of its existence."""
     step = (bounds[1] - bounds[0]) / PARTS
@@ -277,4 +263,5 @@ def bisected(equations: RestEquations, inside: float, outside: float, width: flo
             inside = middle
     found = equations.rest(np.array([inside]))
     assert found is not None
-    return Onset(inside, outside, found.left, equations.broken(nothing, np.array([outside])))
+    surely = found.left < MET * equations.model.period
+    return Onset(inside, outside, surely, equations.broken(nothing, np.array([outside])))

@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 
 from grazing.kernel.compile import call, compiled
 from grazing.orbits.contacts import framer
-from grazing.oscillator.contact import FLIES, departure_of, placed
+from grazing.oscillator.contact import placed
+from grazing.oscillator.departure import FLIES, departure_of
 from grazing.oscillator.frames import first_contact, frame_of, frames_rows, seen_from_strobe
 from grazing.oscillator.pointed import POINTED, pointed_model
 from grazing.oscillator.rig import Rig

@@ -9,7 +9,9 @@ from grazing.maps.map import Map
 from grazing.orbits.corrector import closed
 from grazing.orbits.finder import Tally
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.piece_equations import PieceEquations, PieceOrbit, letters_from
+from grazing.orbits.piece_equations import PieceEquations
+from grazing.orbits.piece_letters import letters_from
+from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.search_windows import drawn
 from grazing.orbits.switching import turns
 from grazing.orbits.word import letters_of, words

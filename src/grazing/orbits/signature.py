@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.bounce_equations import equations_of_bounces
-from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import (
     left_walls,
     model_of,
@@ -20,28 +17,20 @@ from grazing.orbits.contacts import (
     strobes_of,
 )  # fmt: skip
 from grazing.orbits.equations import Equations
+from grazing.orbits.finder import named
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.map_equations import MapEquations
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.piece_equations import equations_of_pieces
+from grazing.orbits.piece_equations import PieceEquations
+from grazing.orbits.piece_letters import letters_from, one_sided
+from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.resting import resting_equations
-from grazing.oscillator.rig import Rig
 from grazing.oscillator.trajectory import trajectory
 from grazing.outcome import CHATTER, STUCK, InputError
 
 Floats = NDArray[np.float64]
-
-
-def impact_equations(
-    model: Rig, names: tuple[str, ...], N: int, incoming: Floats, walls: Sequence[int] | None = None,
-    spans: Any = None,
-) -> ImpactEquations | FreeEquations:  # fmt: skip
-    """Return the equations of an orbit with these impacts in N periods, none of them for the one without impacts."""
-    if len(incoming) == 0:
-        return FreeEquations(model, names, spans)
-    return ImpactEquations(model, names, N, pieces_of(model, incoming, walls), spans)
 
 
 def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tuple[Equations, Floats]:
@@ -52,24 +41,51 @@ def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tup
     InputError
         For parameters that the map does not have, and for an orbit that rests on the wall.
     """
+    found: tuple[Equations, Floats] = named(orbit.solves)(orbit, names, spans)
+    return found
+
+
+def of_impacts(orbit: ImpactOrbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
+    """Return the equations of the impacts of an orbit, or of its free flight."""
+    if not orbit.impacts:
+        free = FreeEquations(orbit.model, names, spans)
+        return free, free.state(orbit)
+    pieces = pieces_of(orbit.model, orbit.incoming, numbered(orbit.model, orbit.walls))
+    equations = ImpactEquations(orbit.model, names, orbit.period, pieces, spans)
+    return equations, np.concatenate([orbit.times, orbit.outgoing])
+
+
+def of_section(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
+    """Return the equations of an orbit of a section that shows the oscillator exactly: of its impacts, or its rests."""
     P = orbit.map
-    if isinstance(orbit, BounceOrbit):
-        return equations_of_bounces(orbit, names, spans)
-    if isinstance(orbit, ImpactOrbit):
-        walls = numbered(orbit.model, orbit.walls)
-        equations = impact_equations(orbit.model, names, orbit.period, orbit.incoming, walls, spans)
-        if isinstance(equations, FreeEquations):
-            return equations, equations.state(orbit)
-        return equations, np.concatenate([orbit.times, orbit.outgoing])
-    if model_of(P) is not None:
-        if P.section == "strobe" and (P.walled is not None or P.params.get("phase") == 0.0) and rests(orbit):
-            if P.walled is None:
-                return resting_equations(P, names, orbit.points, spans), np.zeros(1)
-            return _rested(orbit, names, spans)
-        return equations_of(flown(orbit), names, spans)
-    if P.formulas is not None:
-        return equations_of_pieces(orbit, names, spans)
-    return mapped(orbit, names, spans)
+    if P.section == "strobe" and (P.walled is not None or P.params.get("phase") == 0.0) and rests(orbit):
+        if P.walled is None:
+            return resting_equations(P, names, orbit.points, spans), np.zeros(1)
+        return _rested(orbit, names, spans)
+    return of_impacts(flown(orbit), names, spans)
+
+
+def of_points(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
+    """Return the equations of the points of an orbit, on the pieces of its map if it has some.
+
+    Where a piece of its word ends at its border after all, they are those of maps that are not by pieces, which do too.
+    """
+    if orbit.map.formulas is None:
+        return mapped(orbit, names, spans)
+    P = orbit.map
+    if isinstance(orbit, PieceOrbit):
+        letters, roots = orbit.letters, np.sign(orbit.margins) * np.sqrt(np.abs(orbit.margins))
+    else:
+        letters, roots = letters_from(P, orbit.points)
+    if len(letters) != orbit.period:
+        raise InputError(f"{orbit!r} has {len(letters)} points for period {orbit.period}")
+    ends = one_sided(P)
+    if any(ends[k] for k in letters):
+        plain, x = MapEquations(P, names, letters, spans), orbit.points.ravel().copy()
+        if plain.visited(x, np.array([P.params[name] for name in names]))[1] == letters:
+            return plain, x
+    equations = PieceEquations(P, names, letters, spans)
+    return equations, equations.unknowns(orbit.points, roots)
 
 
 def _rested(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
@@ -120,17 +136,14 @@ def flown(orbit: Orbit) -> ImpactOrbit:
     walls = numbered(model, path["impact_wall"].values[:count]) if "impact_wall" in path else [0] * len(times)
     incoming, outgoing = (relative(model, walls, times, path[key].values[:count]) for key in ("v_minus", "v_plus"))
     shift = model.period * np.floor(times[0] / model.period) if len(times) else 0.0
-    equations = impact_equations(model, (), N if len(times) else 1, incoming, walls)
     nothing = np.empty(0)
-    if isinstance(equations, FreeEquations):
-        x = equations.start(nothing)
-    else:
-        first = np.concatenate([times - shift, outgoing])
-        guess = first[None].copy()
-        closes = equations.solve(guess, nothing)[0] < 1e-9
-        if not closes or np.abs((guess[0] - first) / equations.scale).max() > 1e-3:
-            raise InputError(f"{orbit!r} does not close when it is flown; its points are not those of a periodic orbit")
-        x = guess[0]
-    found = equations.orbit(x, nothing)
-    assert isinstance(found, ImpactOrbit)
-    return found
+    if not len(times):
+        free = FreeEquations(model, ())
+        return free.orbit(free.start(nothing), nothing)
+    equations = ImpactEquations(model, (), N, pieces_of(model, incoming, walls))
+    first = np.concatenate([times - shift, outgoing])
+    guess = first[None].copy()
+    closes = equations.solve(guess, nothing)[0] < 1e-9
+    if not closes or np.abs((guess[0] - first) / equations.scale).max() > 1e-3:
+        raise InputError(f"{orbit!r} does not close when it is flown; its points are not those of a periodic orbit")
+    return equations.orbit(guess[0], nothing)

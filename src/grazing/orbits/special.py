@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from grazing.copies import alike
 from grazing.orbits.orbit import Orbit
 from grazing.outcome import abridged
 
@@ -73,6 +74,15 @@ class Special(NamedTuple):
     def meaning(self) -> str:
         """What happens, in words."""
         return SPECIAL[self.type]
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and alike(tuple(self), tuple(other))
+
+    def __ne__(self, other: object) -> bool:
+        return not self == other
+
+    def __hash__(self) -> int:
+        return hash((self.type, self.value, self.where, self.piece))
 
     def __repr__(self) -> str:
         return f"<{self.type} at {self.value:.12g}: {abridged(self.orbit.word)}, period {self.orbit.period}>"

@@ -9,19 +9,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.optimize import root_scalar
 
-from grazing.orbits.closing import DIPS, OTHER, WHEN
-from grazing.orbits.closure import PASSIVE, WHOLE
-from grazing.orbits.contacts import PIECES, kick_of
 from grazing.orbits.corrector import Point, closed, corrected, linearised, tangent_of, weighed
 from grazing.orbits.equations import Equations, Test
-from grazing.orbits.even_equations import EVEN, EvenEquations
+from grazing.orbits.even_equations import EVEN
 from grazing.orbits.events import Event
-from grazing.orbits.free_equations import FreeEquations
-from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.finder import named
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
-from grazing.oscillator.frames import frame_of
-from grazing.oscillator.reset import triggered_law
 from grazing.outcome import InputError
 
 Floats = NDArray[np.float64]
@@ -30,8 +24,6 @@ Floats = NDArray[np.float64]
 AWAY = (1e-4, 1e-3, 1e-2)
 #: Test functions that say whether an orbit is one of the flow.
 OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
-#: Impacts a period beyond which no branch with one more is begun: grazes accumulate at an onset of chatter.
-MOST = 12
 #: Test functions of the flow below this are 0: heights, speeds and forces in units of their size.
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
@@ -117,8 +109,9 @@ def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
 
     Where symmetry breaks the derivative is singular, but not among symmetric solutions.
     """
-    assert isinstance(equations, ImpactEquations)
-    even = EvenEquations(equations)
+    even = equations.even()
+    if even is None:
+        return None
     half, before = even.half(x, p), np.inf
     for _ in range(30):
         F, J = even.defects(half, p)
@@ -223,64 +216,16 @@ def partners(equations: Equations, event: Event, x: Floats, p: Floats) -> list[S
     """
     if not event.converged or not on_the_edge(equations, event):
         return []
-    if not isinstance(equations, (ImpactEquations, FreeEquations)):
-        return flipped(equations, event, x, p)
-    if kick_of(equations.model_at(p), equations.touched(event.type, event.where)[1]) != 0.0:
-        return []
-    new = grown(equations, event, x, p) if event.type == "gr" else shrunk(equations, event, x, p)
-    return [] if new is None else [new]
+    seed: Seed | None = named(equations.others)(equations, event, x, p)
+    return [] if seed is None else [seed]
 
 
-def grown(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
-    """Return the branch with one impact more, which begins with speed 0 where a flight touches the wall."""
-    model, (i, wall) = equations.model, equations.touched(event.type, event.where)
-    piece = PIECES * wall + (PASSIVE if model.walls[wall].law.law is triggered_law else WHOLE)
-    if isinstance(equations, FreeEquations):
-        seen = frame_of(wall == 1, equations.frames(p))
-        if not any((*seen.cos, *seen.sin)):  # a ball at rest lies down on the wall
-            return None
-        _end, _E, dips = equations.turned(x, p)
-        new = ImpactEquations(model, equations.names, 1, (piece,), equations.spans)
-        return begins(new, np.array([dips[wall, 1], 0.0]), p, "v0", 0)
-    n = equations.n
-    if n >= MOST * equations.N:
-        return None
-    row = equations.profile(x, p).table[i]
-    row = row if wall == equations.walls[i] else np.roll(row, -OTHER)
-    if row[DIPS] == 0:
-        return None
-    times = np.insert(x[:n], i + 1, x[i] + row[WHEN])
-    after = np.insert(x[n:], i + 1, 0.0)
-    pieces = (*equations.pieces[: i + 1], piece, *equations.pieces[i + 1 :])
-    new = ImpactEquations(model, equations.names, equations.N, pieces, equations.spans)
-    return begins(new, np.concatenate([times, after]), p, "v0", i + 1)
-
-
-def shrunk(equations: ImpactEquations | FreeEquations, event: Event, x: Floats, p: Floats) -> Seed | None:
-    """Return the branch with one impact less, which begins where that impact has lost its speed."""
-    assert isinstance(equations, ImpactEquations)
-    n, k = equations.n, event.where
-    if n == 1:
-        free = FreeEquations(equations.model, equations.names, equations.spans)
-        start = free.start(p)
-        wall = equations.walls[0]
-        if not np.isfinite(start).all() or abs(free.turned(start, p)[2][wall, 0]) > 1e-6 * free.scale[0]:
-            return None
-        return begins(free, start, p, "gr", wall)
-    times, after = np.delete(x[:n], k), np.delete(x[n:], k)
-    pieces = (*equations.pieces[:k], *equations.pieces[k + 1 :])
-    new = ImpactEquations(equations.model, equations.names, equations.N, pieces, equations.spans)
-    flight = (k - 1) % (n - 1)
-    return begins(new, np.concatenate([times, after]), p, "gr", equations.walls[k] * (n - 1) + flight)
-
-
-def flipped(equations: Equations, event: Event, x: Floats, p: Floats) -> list[Seed]:
+def flipped(equations: Equations, event: Event, x: Floats, p: Floats) -> Seed | None:
     """Return the branch of a map by pieces whose point at the border has the other letter, where it is continuous."""
     found = equations.across(x, p, event.where)
     if found is None or not found.close:
-        return []
-    seed = begins(found.equations, found.x, p, "bcb", event.where)
-    return [] if seed is None else [seed]
+        return None
+    return begins(found.equations, found.x, p, "bcb", event.where)
 
 
 def begins(equations: Equations, x: Floats, p: Floats, type: str, where: int) -> Seed | None:

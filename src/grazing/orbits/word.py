@@ -7,10 +7,10 @@ negative, come before all counts. A word names a class of orbits: a doubled LLR 
 
 from __future__ import annotations
 
-import math
 import re
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator
 from itertools import islice
+from typing import Any
 
 from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER
@@ -74,10 +74,20 @@ def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
     (0, 0, 1)
     """
     s = _sequence(letters)
-    n = len(s)
+    first = least_start(s, 0, len(s))
+    return s[first:] + s[:first]
+
+
+def wrapped(n: int, length: int) -> int:
+    """Return n modulo the length, for n below twice the length: a division takes long."""
+    return n - length if n >= length else n
+
+
+def least_start(s: Any, first: int, n: int) -> int:
+    """Return where, in the cycle of n letters from ``first`` on, the least rotation begins; counted from ``first``."""
     i, j, k = 0, 1, 0  # two rotations that agree in k letters; the larger one and all between them drop out
     while i < n and j < n and k < n:
-        a, b = s[(i + k) % n], s[(j + k) % n]
+        a, b = s[first + wrapped(i + k, n)], s[first + wrapped(j + k, n)]
         if a == b:
             k += 1
             continue
@@ -88,8 +98,7 @@ def least_rotation(letters: Iterable[int]) -> tuple[int, ...]:
         if i == j:
             j += 1
         k = 0
-    first = min(i, j)
-    return s[first:] + s[:first]
+    return min(i, j)
 
 
 def word(letters: Iterable[int], symbols: str | Alphabet | None = None) -> str:
@@ -250,33 +259,6 @@ def _lyndon(n: int, count: int, most: int | None) -> Iterator[tuple[int, ...]]:
             yield from extend(t + 1, p if letter == a[t - p] else t, total + letter)
 
     yield from extend(1, 1, 0)
-
-
-def impacts_and_periods(letters: Sequence[int]) -> tuple[float, int]:
-    """Return how many impacts an orbit of the oscillator has, and in how many forcing periods.
-
-    Unlike the word, the pair does not change when an impact crosses the strobe.
-
-    Parameters
-    ----------
-    letters : sequence of int
-        Impacts in each period of the forcing, one letter per period of the orbit.
-
-    Returns
-    -------
-    impacts : float
-        Infinite for an orbit with completed chatter.
-    periods : int
-
-    Examples
-    --------
-    >>> impacts_and_periods((0, 0, 1)), impacts_and_periods((0, -1))
-    ((1, 3), (inf, 2))
-    """
-    s = _sequence(letters)
-    if CHATTER_LETTER in s:
-        return math.inf, len(s)
-    return sum(0 if letter == STUCK_LETTER else letter for letter in s), len(s)
 
 
 def _sequence(letters: Iterable[int]) -> tuple[int, ...]:

@@ -25,7 +25,7 @@ FASTEST = 2.0**1021
 
 
 def hop_bounds(m: arb, M: arb, w: arb, motion: Motion) -> tuple[arb, arb]:
-    """Return the bounds of :func:`grazing.oscillator.contact.hop_bounds` in balls."""
+    """Return the bounds of :func:`grazing.oscillator.departure.hop_bounds` in balls."""
     if not (motion.alpha < 0 or motion.k2 < 0):
         return m, (M / m).sqrt()
     a, b = (-motion.alpha).max(0 * w), (-motion.k2).max(0 * w)
@@ -41,7 +41,7 @@ def hop_bounds(m: arb, M: arb, w: arb, motion: Motion) -> tuple[arb, arb]:
 def chatter_completes(t: arb, w: arb, end: arb, ratio: float, speed: float, motion: Motion) -> bool:
     """Return whether a ball that leaves the wall at t with w > 0 surely rests before ``end``, F < 0 up to there.
 
-    The bound of :func:`grazing.oscillator.contact.chatter_completes`, in balls.
+    The bound of :func:`grazing.oscillator.departure.chatter_completes`, in balls.
     """
     F, _dF = motion.force(t)
     if not (0.0 < ratio < 1.0 and F < 0):

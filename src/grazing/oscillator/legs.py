@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.contact import FLIES, departure_of, next_contact, placed
+from grazing.oscillator.contact import next_contact, placed
+from grazing.oscillator.departure import FLIES, departure_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.frames import (
     first_contact,

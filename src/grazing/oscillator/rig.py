@@ -72,6 +72,8 @@ class Rig:
     harmonics: int
     offset_name: str
     walled: ClassVar[bool] = False
+    #: What says of it what certificates do.
+    certified_as: ClassVar[str] = "grazing.proof.same_model:of_rig"
 
     @property
     def params(self) -> Mapping[str, float]:

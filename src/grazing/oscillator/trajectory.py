@@ -30,10 +30,9 @@ from grazing.oscillator.reach import drive_of
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import frequency_of
 from grazing.oscillator.walled import Walled
-from grazing.oscillator.walled_trajectory import walled_trajectory
+from grazing.oscillator.walled_trajectory import said_of, walled_trajectory
 from grazing.outcome import (
     AMBIGUOUS,
-    CHATTER,
     TOO_MANY_SWINGS,
     InputError,
     Trust,
@@ -141,7 +140,7 @@ def trajectory(
     flags = int(np.bitwise_or.reduce(legs[:, FLAGS].astype(int)))
     trust = Trust.ambiguous if flags & AMBIGUOUS else Trust.certified
     about = {name: model.describe(name).attributes for name in ("t", "u", "v", "v_minus", "v_plus")}
-    result = xr.Dataset(
+    return xr.Dataset(
         {
             "u": ("t", us, about["u"]),
             "v": ("t", vs, about["v"]),
@@ -152,15 +151,8 @@ def trajectory(
             "trust": ((), trust.value),
         },
         coords={"t": ("t", times, about["t"])},
+        attrs=said_of(given, flags),
     )
-    result.attrs = {
-        "title": f"trajectory of {given!r}",
-        "grazing_outcome": flags,
-        "chatter": int(bool(flags & CHATTER)),
-        **model.attributes,
-        **{f"parameter_{name}": value for name, value in given.params.items()},
-    }
-    return result
 
 
 def _flown(model: Oscillator, state: tuple[float, float], start: float, until: float) -> tuple[Oscillator, Floats]:

@@ -137,3 +137,11 @@ def harmonics_of(motion: Forcing, forcing: Forcing) -> tuple[tuple[float, ...], 
         cosines[j * times - 1] = c * turn[0] + s * turn[1]
         sines[j * times - 1] = s * turn[0] - c * turn[1]
     return tuple(cosines), tuple(sines)
+
+
+def in_harmonics(motion: Forcing | None, forcing: Forcing) -> Forcing | None:
+    """Return the same motion at a forcing's frequency and time shift: one that is given in two ways is one model."""
+    if motion is None:
+        return None
+    cosines, sines = harmonics_of(motion, forcing)
+    return Forcing(forcing.omega, forcing.t0, motion.offset, cosines, sines)

@@ -20,7 +20,7 @@ from grazing.oscillator.reach import Reach
 from grazing.oscillator.rig import HEAD, Place, Rig, places_of
 from grazing.oscillator.si import Base
 from grazing.oscillator.spring import spring_of
-from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of
+from grazing.oscillator.wall import SAME, Wall, checked_walls, harmonics_of, in_harmonics
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import Parameter, checked_text, spread
 
@@ -84,7 +84,6 @@ class Walled(Rig):
 
     def __post_init__(self) -> None:
         walls = checked_walls(self.walls)
-        object.__setattr__(self, "walls", walls)
         if self.mass is not None:
             object.__setattr__(self, "mass", MASS.check(self.mass))
         elif any(one.metres for one in walls):
@@ -94,6 +93,8 @@ class Walled(Rig):
         if self.base is not None:
             cos, sin = zip(*self.base.forces(self.alpha, self.k, self.forcing.omega), strict=True)
             object.__setattr__(self, "forcing", replace(self.forcing, cos=cos, sin=sin))
+        walls = tuple(replace(one, motion=in_harmonics(one.motion, self.forcing)) for one in walls)
+        object.__setattr__(self, "walls", walls)
         for one in walls:
             clash = [name for name in one.law.params if means_model(name)]
             if clash:

@@ -129,11 +129,16 @@ def walled_trajectory(
             "trust": ((), trust.value),
         },
         coords={"t": ("t", t, about["t"]), "wall": ("wall", names)},
-        attrs={
-            "title": f"trajectory of {model!r}",
-            "grazing_outcome": flags,
-            "chatter": int(bool(flags & CHATTER)),
-            **model.attributes,
-            **{f"parameter_{name}": value for name, value in model.params.items()},
-        },
+        attrs=said_of(model, flags),
     )
+
+
+def said_of(model: Rig, flags: int) -> dict[str, Any]:
+    """Return what the trajectory of a model says of it, and of what happened."""
+    return {
+        "title": f"trajectory of {model!r}",
+        "grazing_outcome": flags,
+        "chatter": int(bool(flags & CHATTER)),
+        **model.attributes,
+        **{f"parameter_{name}": value for name, value in model.params.items()},
+    }

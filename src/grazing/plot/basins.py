@@ -16,8 +16,8 @@ from grazing.plot.classes import attractor_colours, class_name, legend_beside, o
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, name_single, ordered, raster
-from grazing.plot.style import GRAZE, INK, axes, plain, root, styled, symbol
+from grazing.plot.raster import axes_along, edges_of, name_single, ordered, raster
+from grazing.plot.style import GRAZE, INK, plain, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -72,7 +72,7 @@ def basins(
         )
     colours = _colours(period, np.asarray(result["fraction"].values, np.float64))
     with styled():
-        ax = axes(ax, 130.0, 90.0 if len(names) == 2 else 32.0)
+        ax = axes_along(ax, 130.0, 90.0 if len(names) == 2 else 32.0, *(values for values, _where in axis_values))
         edges = [edges_of(values, axis) for (values, _), axis in zip(axis_values, (ax.xaxis, ax.yaxis), strict=False)]
         if len(names) == 1:
             edges, index = [edges[0], np.array([0.0, 1.0])], index[:, None]

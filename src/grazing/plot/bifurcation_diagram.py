@@ -15,8 +15,9 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice
 from grazing.plot.orbit_diagram import ends_of, orbit_diagram
 from grazing.plot.provenance import provenance_of
+from grazing.plot.raster import axes_along
 from grazing.plot.spread import spread
-from grazing.plot.style import DOUBLE, INK, axes, root, styled
+from grazing.plot.style import DOUBLE, INK, root, styled
 from grazing.plot.words import words_in
 
 #: Opacity of scanned points and of shaded windows.
@@ -75,7 +76,7 @@ def bifurcation_diagram(
     known = json.loads(table.attrs["coordinate_names"])
     chosen = choice(known[0] if coordinate is None else coordinate, "coordinate", known)
     with styled():
-        ax = axes(ax, DOUBLE, 95.0)
+        ax = axes_along(ax, DOUBLE, 95.0, result[name].values)
         scan = orbit_diagram(result, ax, chosen, by=by, size=1.0, legend=legend)
         for line in scan["points"].values():
             line.set_alpha(FAINT)

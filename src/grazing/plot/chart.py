@@ -19,9 +19,9 @@ from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, name_single, ordered, raster
+from grazing.plot.raster import axes_along, edges_of, name_single, ordered, raster
 from grazing.plot.stripes import striped
-from grazing.plot.style import ENDED, INK, axes, period_colour, root, styled, symbol
+from grazing.plot.style import ENDED, INK, period_colour, root, styled, symbol
 from grazing.plot.words import OTHERS, worded, words_in
 
 Floats = NDArray[np.float64]
@@ -89,7 +89,7 @@ def chart(
     bar = beside = None
     own: dict[str, str] = {}
     with styled():
-        ax = axes(ax, 120.0, 88.0)
+        ax = axes_along(ax, 120.0, 88.0, x_values, y_values)
         x, y = edges_of(x_values, ax.xaxis), edges_of(y_values, ax.yaxis)
         if by == "exponent":
             exponent = np.asarray(result["exponent"].values, np.float64)[i][:, j][..., 0]

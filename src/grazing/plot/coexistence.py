@@ -15,8 +15,8 @@ from grazing.plot.density import plain
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, name_single, ordered
-from grazing.plot.style import DOUBLE, INK, axes, ink_on, root, styled, symbol
+from grazing.plot.raster import axes_along, edges_of, name_single, ordered
+from grazing.plot.style import DOUBLE, INK, ink_on, root, styled, symbol
 from grazing.plot.windows import across
 
 Floats = NDArray[np.float64]
@@ -74,7 +74,7 @@ def coexistence(
     stack = sorted((k for k in range(len(period)) if (share[:, k] > 0.0).any()), key=lambda k: order_of(period[k]))
     colours = dict(zip(stack, attractor_colours([period[k] for k in stack]), strict=True))
     with styled():
-        ax = axes(ax, DOUBLE, 76.0)
+        ax = axes_along(ax, DOUBLE, 76.0, values)
         edges = edges_of(values, ax.xaxis)
         ax.set_xlim(edges[0], edges[-1])
         names: dict[int, Any] = {}
@@ -189,7 +189,8 @@ def _changes(ax: Axes, result: Any) -> dict[str, Any]:
     if any(name not in result for name in ("before", "after", "kind")):
         return {}
     before, after = (np.asarray(result[name].values, np.float64) for name in ("before", "after"))
-    at = 0.5 * (before + after)
+    scale = ax.xaxis.get_transform()
+    at = scale.inverted().transform(0.5 * (scale.transform(before) + scale.transform(after)))
     low, high = sorted(ax.get_xlim())
     inside = (at >= low) & (at <= high)  # of a part of a result, its own
     at, kinds = at[inside], np.array([str(kind) for kind in result["kind"].values])[inside]

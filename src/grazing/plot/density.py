@@ -16,8 +16,8 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.norms import norm_of, round_ticks
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, is_even, name_single, ordered, raster, refined
-from grazing.plot.style import DOUBLE, axes, root, styled, symbol
+from grazing.plot.raster import axes_along, edges_of, is_even, name_single, ordered, raster, refined
+from grazing.plot.style import DOUBLE, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -75,7 +75,7 @@ def density(
     wide, high = (np.diff([*first, size]) for first, size in ((columns, where.size), (bins, result[coordinate].size)))
     count /= (np.maximum(total, 1.0) if units == "share" else wide)[:, None] * high  # of one bin, on average
     with styled():
-        ax = axes(ax, DOUBLE, 80.0)
+        ax = axes_along(ax, DOUBLE, 80.0, values)
         scale = norm_of(norm, count)
         shown = np.ma.masked_less_equal(count.astype(np.float32), 0.0)
         x, y = edges_of(values, ax.xaxis), _bins(result[coordinate])

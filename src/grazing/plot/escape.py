@@ -10,8 +10,8 @@ from matplotlib.axes import Axes
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import name_single, ordered
-from grazing.plot.style import INK, axes, root, styled, symbol
+from grazing.plot.raster import axes_along, name_single, ordered
+from grazing.plot.style import INK, root, styled, symbol
 
 
 @inline
@@ -50,7 +50,7 @@ def escape(result: Any, ax: Axes | None = None, *, colour: str = INK) -> dict[st
     values, where = ordered(result[name].values)
     rate, error = (np.asarray(result[key].values, np.float64)[where] for key in ("rate", "error"))
     with styled():
-        ax = axes(ax, 85.0, 60.0)
+        ax = axes_along(ax, 85.0, 60.0, values)
         line, _caps, bars = ax.errorbar(values, rate, yerr=error, fmt="o-", ms=2.5, lw=0.8, color=colour)
         name_single(ax.xaxis, values)
         ax.set_xlabel(symbol(result[name]))

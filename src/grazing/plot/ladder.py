@@ -73,7 +73,8 @@ def ladder(
     Returns
     -------
     dict
-        ``lines`` (rung to line) or ``bars`` ((rung, N) to rectangle), ``legend``, ``provenance``, ``figure``.
+        ``lines`` and ``zeros`` (rung to line; what is 0 is hollow, on the lower edge), or ``bars`` ((rung, N) to
+        rectangle), ``legend``, ``provenance``, ``figure``.
 
     Raises
     ------
@@ -97,11 +98,13 @@ def _errors(ax: Axes, result: Any, by: str, side: str, against: str, legend: boo
     sizes = np.abs(result[by].sel(side=side).values)
     x = result["distance"].sel(side=side).values if against == "distance" else result["N"].values
     lines: dict[str, Any] = {}
+    zeros: dict[str, Any] = {}
     name = "order" if by == "error" else "step_order"
     for rung, size in zip(result["rung"].values.tolist(), sizes, strict=True):
-        good = (size > 0.0) & np.isfinite(size) & np.isfinite(x)
-        if rung == "flow" or not good.any():
+        known = np.isfinite(size) & np.isfinite(x)
+        if rung == "flow" or not known.any():
             continue
+        good, none = known & (size > 0.0), known & (size == 0.0)
         colour, marker = LOOKS[rung]
         text = CALLED[rung]
         order, error = (result[key].sel(rung=rung, side=side).item() for key in (name, f"{name}_error"))
@@ -110,6 +113,11 @@ def _errors(ax: Axes, result: Any, by: str, side: str, against: str, legend: boo
         (lines[rung],) = ax.plot(
             x[good], size[good], color=colour, marker=marker, ms=3.6, mew=0.5, mec="white", lw=0.9, label=text
         )
+        if none.any():
+            edge: dict[str, Any] = {"transform": ax.get_xaxis_transform(), "clip_on": False, "zorder": 3}
+            (zeros[rung],) = ax.plot(
+                x[none], np.zeros(none.sum()), marker, ms=3.6, mew=0.7, mfc="white", mec=colour, label="0", **edge
+            )
     if not lines:
         raise InputError(
             f"plot.ladder finds no {by} on the {side} side: the flow or the reductions have no window; see 'status'"
@@ -126,12 +134,13 @@ def _errors(ax: Axes, result: Any, by: str, side: str, against: str, legend: boo
     what = f"error of the {EDGE[side]} edge" if by == "error" else "step to the next rung"
     ax.set_ylabel(f"{what}, in {symbol}")
     ax.grid(True, which="major", color="#e6e6e6", lw=0.4)
-    ordered = sorted(lines.values(), key=lambda line: -float(line.get_ydata()[-1]))  # as the lines end
+    ordered = sorted(lines.values(), key=lambda line: -float(np.append(0.0, line.get_ydata())[-1]))  # as the lines end
+    ordered += list(zeros.values())[:1]
     if not legend:
         small = ax.legend(handles=ordered, loc="best", fontsize=6.5, handlelength=1.4, labelspacing=0.25)
-        return {"lines": lines, "legend": small}
+        return {"lines": lines, "zeros": zeros, "legend": small}
     measured = any("  " in str(line.get_label()) for line in ordered)
-    return {"lines": lines, "legend": legend_beside(ax, ordered, "rung, order" if measured else "rung")}
+    return {"lines": lines, "zeros": zeros, "legend": legend_beside(ax, ordered, "rung, order" if measured else "rung")}
 
 
 def _with_error(value: float, error: float) -> str:

@@ -16,8 +16,8 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.norms import round_ticks
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, ordered, raster
-from grazing.plot.style import axes, root, styled, symbol
+from grazing.plot.raster import axes_along, edges_of, ordered, raster
+from grazing.plot.style import root, styled, symbol
 
 #: What can be drawn.
 BY = "exit", "hits", "time"
@@ -75,9 +75,9 @@ def launches(
     own = ax is None if legend is None else legend
     bar = beside = image = points = None
     with styled():
-        ax = axes(ax, 130.0, 90.0)
         if 1 in ways.shape:
             along, name = (y, "speed") if ways.shape[0] == 1 else (x, "angle")
+            ax = axes_along(ax, 130.0, 90.0, along)
             high = (hits if by == "hits" else times).ravel()
             each = [index.ravel() == k for k in range(len(names))]
             points = [ax.plot(along[here], high[here], ".", ms=3.0, color=colours[way])[0]
@@ -85,6 +85,7 @@ def launches(
             ax.set_xlabel(symbol(result[name]))
             ax.set_ylabel("impacts" if by == "hits" else "time")
         else:
+            ax = axes_along(ax, 130.0, 90.0, x, y)
             edges = edges_of(x, ax.xaxis), edges_of(y, ax.yaxis)
             if by == "exit":
                 palette = np.round(255.0 * to_rgba_array(list(colours.values()))).astype(np.uint8)

@@ -63,12 +63,9 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
             colour, dashes = LINES[table.attrs["type"]]
             good = table["admissible"].values == 1
             joined = ~good | np.append(~good[1:], False) | np.append(False, ~good[:-1])  # no gap between the two
-            for kept, width in ((good, 1.3), (joined, 0.5)):
-                if kept is not good and not virtual:
-                    continue
-                at = [
-                    np.where(kept | np.roll(kept, 1) if width > 1.0 else kept, table[n].values, np.nan) for n in (x, y)
-                ]
+            thick = good | np.append(False, good[:-1])  # as far as the next point
+            for kept, width in ((thick, 1.3), (joined, 0.5))[: 1 + virtual]:
+                at = [np.where(kept, table[n].values, np.nan) for n in (x, y)]
                 lines += ax.plot(*at, color=colour, ls=dashes, lw=width, label=table.attrs["type"])
                 known.setdefault(table.attrs["type"], lines[-1])
             for i, kind in enumerate(table["meeting_type"].values.astype(str).tolist()):

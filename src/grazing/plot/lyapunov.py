@@ -14,8 +14,8 @@ from grazing.plot.classes import legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, name_single, ordered
-from grazing.plot.style import DOUBLE, INK, axes, root, styled, symbol, unit_of
+from grazing.plot.raster import axes_along, edges_of, name_single, ordered
+from grazing.plot.style import DOUBLE, INK, root, styled, symbol, unit_of
 
 Floats = NDArray[np.float64]
 
@@ -68,7 +68,7 @@ def lyapunov(
     exponent = np.asarray(result[variable].values, np.float64)[where]
     starts, count = exponent.shape[1:]
     with styled():
-        ax = axes(ax, DOUBLE, 70.0)
+        ax = axes_along(ax, DOUBLE, 70.0, values)
         edges = edges_of(values, ax.xaxis)
         greatest = np.asarray(result["exponent"].values, np.float64)[where, :, 0]
         known = np.where(np.isnan(greatest), -np.inf, greatest).max(axis=1)

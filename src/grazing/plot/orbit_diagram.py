@@ -14,8 +14,8 @@ from grazing.plot.classes import ENDED, legend_beside, patch, patches_of, tell_e
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, ordered
-from grazing.plot.style import CHAOS, DOUBLE, axes, period_colour, root, styled, symbol
+from grazing.plot.raster import axes_along, edges_of, ordered
+from grazing.plot.style import CHAOS, DOUBLE, period_colour, root, styled, symbol
 from grazing.plot.words import worded, words_in
 
 #: Points closer than this fraction of the axis are one point: below a pixel in print.
@@ -78,14 +78,16 @@ def orbit_diagram(
     y = np.asarray(result[shown].values)
     period = np.asarray(result["period"].values)
     arrived = np.arange(y.shape[2]) >= y.shape[2] - np.where(period >= 1, period, y.shape[2])[:, :, None]
+    settled = y[arrived & np.isfinite(y)]
+    grain = (float(np.ptp(settled)) if settled.size else 0.0) * GRAIN or 1.0
     drawn: dict[Any, Any] = {}
     beside = None
     with styled():
-        ax = axes(ax, DOUBLE, 80.0)
+        ax = axes_along(ax, DOUBLE, 80.0, values)
         known = words_in(root(ax)) if by == "word" else None
         chosen, colours, entries = _classes(result, period, longest, known)
         for place, (key, those) in enumerate(chosen.items()):
-            x, z = _thinned(values, y, those[:, :, None] & arrived)
+            x, z = _thinned(values, y, those[:, :, None] & arrived, grain)
             (drawn[key],) = ax.plot(
                 x,
                 z,
@@ -98,7 +100,8 @@ def orbit_diagram(
                 zorder=2.0 + 1.0 / (1 + place) if key else 1.9,
             )
         bands = [
-            ax.axvspan(low, high, color=period_colour(ENDED), lw=0, zorder=0) for low, high in _ended(values, period)
+            ax.axvspan(low, high, color=period_colour(ENDED), lw=0, zorder=0)
+            for low, high in _ended(values, period, ax.xaxis)
         ]
         ax.set_xlim(*ends_of(values, ax.xaxis))
         ax.set_xlabel(symbol(result[name]))
@@ -135,10 +138,10 @@ def ends_of(values: NDArray[Any], axis: Any = None) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _ended(values: NDArray[Any], period: NDArray[Any]) -> list[tuple[float, float]]:
+def _ended(values: NDArray[Any], period: NDArray[Any], axis: Any) -> list[tuple[float, float]]:
     """Return the ranges of neighbouring values at which every orbit ended, to halfway to the next values."""
     x, order = ordered(values)
-    edges = edges_of(x)
+    edges = edges_of(x, axis)
     return [(float(edges[a]), float(edges[b])) for a, b in runs((period[order] == ENDED).all(axis=1))]
 
 
@@ -170,12 +173,13 @@ def _by_word(
     return chosen, {"": CHAOS} | {word: colours[i] for i, word in enumerate(words, 1)}, entries
 
 
-def _thinned(values: NDArray[Any], y: NDArray[Any], chosen: NDArray[Any]) -> tuple[NDArray[Any], NDArray[Any]]:
-    """Return the chosen points, those that fall on one another in print taken once."""
-    finite = y[np.isfinite(y)]
-    step = (float(np.ptp(finite)) or 1.0) * GRAIN if finite.size else 1.0
+def _thinned(
+    values: NDArray[Any], y: NDArray[Any], chosen: NDArray[Any], step: float
+) -> tuple[NDArray[Any], NDArray[Any]]:
+    """Return the chosen points, those that fall on one another in print, nearer than a step, taken once."""
     index = np.broadcast_to(np.arange(values.size)[:, None, None], y.shape)
     kept = chosen & np.isfinite(y)
-    grain = np.round(y[kept] / step).astype(np.int64)
+    low = y[kept].min(initial=np.inf)
+    grain = np.round((y[kept] - low) / step).astype(np.int64)
     _unique, which = np.unique(index[kept] * 10_000_019 + grain, return_index=True)
     return values[index[kept][which]], y[kept][which]

@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.outcome import InputError
-from grazing.plot.style import RC, root
+from grazing.plot.style import RC, axes, root
 
 Floats = NDArray[np.float64]
 
@@ -20,6 +20,31 @@ EVEN = 1e-6
 def ordered(values: ArrayLike) -> tuple[Floats, NDArray[np.intp]]:
     """Return the distinct values in rising order, and where each was found first."""
     return np.unique(np.asarray(values, np.float64), return_index=True)
+
+
+def axes_along(ax: Axes | None, width: float, height: float, *values: ArrayLike) -> Axes:
+    """Return the axes given, or those of a new figure: logarithmic along x, or y, where its values are spaced so."""
+    if ax is not None:
+        return ax
+    ax = axes(None, width, height)
+    for change, spaced in zip((ax.set_xscale, ax.set_yscale), map(is_geometric, values), strict=False):
+        if spaced:
+            change("log")
+    return ax
+
+
+def is_geometric(values: ArrayLike) -> bool:
+    """Whether three values or more are evenly spaced in their logarithm, and not in themselves.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grazing.plot.raster import is_geometric
+    >>> is_geometric(np.geomspace(1e-4, 1.0, 30)), is_geometric(np.linspace(1e-4, 1.0, 30))
+    (True, False)
+    """
+    x, _where = ordered(values)
+    return len(x) > 2 and bool(x[0] > 0.0) and is_even(np.log(x)) and not is_even(x)
 
 
 def edges_of(values: Floats, axis: Any = None) -> Floats:

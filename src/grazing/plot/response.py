@@ -15,8 +15,9 @@ from grazing.plot.classes import blended, legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
+from grazing.plot.raster import axes_along
 from grazing.plot.spread import spread
-from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, axes, quantity, root, styled, symbol
+from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, quantity, root, styled, symbol
 
 #: Marks of the sweeps; random starts are dots.
 RUNS = {"up": "^", "down": "v"}
@@ -67,7 +68,7 @@ def response(
     table[by] = table[by].expand_dims("one", -1)
     values, runs = result[name].values, result["run"].values.tolist()
     with styled():
-        ax = axes(ax, DOUBLE, 90.0)
+        ax = axes_along(ax, DOUBLE, 90.0, values)
         found = {}
         starts = [i for i, run in enumerate(runs) if run not in RUNS]
         y = result[by].values
@@ -89,8 +90,9 @@ def response(
                 )
         ends = zip(result["difference_low"].values, result["difference_high"].values, strict=True)
         bands = [ax.axvspan(low, high, color=INK, alpha=SHADE, lw=0, zorder=0) for low, high in ends]
-        low, high = float(values.min()), float(values.max())
-        ax.set_xlim(low - EDGE * (high - low), high + EDGE * (high - low))
+        scale = ax.xaxis.get_transform()
+        at = scale.transform(np.array([values.min(), values.max()]))
+        ax.set_xlim(*scale.inverted().transform(at + EDGE * np.ptp(at) * np.array([-1.0, 1.0])))
         drawn = branch(table, ax, virtual=False, names=names, legend=False)
         ax.set_xlabel(symbol(result[name]))
         ax.set_ylabel(quantity(result[by]))

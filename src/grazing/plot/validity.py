@@ -15,8 +15,8 @@ from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import edges_of, name_single, ordered, raster
-from grazing.plot.style import ENDED, GRAZE, axes, root, styled, symbol
+from grazing.plot.raster import axes_along, edges_of, name_single, ordered, raster
+from grazing.plot.style import ENDED, GRAZE, root, styled, symbol
 
 #: Colours of the classes of agreement, from light to dark the worse, and their names in the legend.
 CLASSES = {
@@ -74,7 +74,7 @@ def validity(
     shares = np.asarray(result["overlap"].values, np.float64)[i][:, j]
     bar = beside = None
     with styled():
-        ax = axes(ax, 120.0, 88.0)
+        ax = axes_along(ax, 120.0, 88.0, x_values, y_values)
         x, y = edges_of(x_values, ax.xaxis), edges_of(y_values, ax.yaxis)
         handles: list[Any] = []
         if by == "agreement":

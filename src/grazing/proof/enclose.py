@@ -7,11 +7,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from grazing.orbits.contacts import numbered, sizes_of
+from grazing.orbits.contacts import numbered, pieces_of, sizes_of
 from grazing.orbits.free_equations import FreeEquations
+from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
-from grazing.orbits.signature import impact_equations
 from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
@@ -152,9 +152,11 @@ def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
         return orbit
     p = np.array([orbit.model.params[name]])
     walls = [wall for wall, hit in zip(numbered(orbit.model, orbit.walls), hits, strict=True) if hit]
-    equations = impact_equations(orbit.model, (name,), orbit.period, orbit.incoming[hits], walls)
-    if isinstance(equations, FreeEquations):
-        return equations.orbit(equations.start(p), p)
+    if not walls:
+        free = FreeEquations(orbit.model, (name,))
+        return free.orbit(free.start(p), p)
+    pieces = pieces_of(orbit.model, orbit.incoming[hits], walls)
+    equations = ImpactEquations(orbit.model, (name,), orbit.period, pieces)
     return equations.orbit(np.concatenate([orbit.times[hits], orbit.outgoing[hits]]), p)
 
 

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from grazing.billiard.table import Table
-from grazing.maps.map import Map
-from grazing.oscillator.rig import Rig
+from grazing.orbits.finder import named
 from grazing.outcome import InputError, shown
 from grazing.proof.expression import NotAnExpression
+
+if TYPE_CHECKING:
+    from grazing.billiard.table import Table
+    from grazing.maps.map import Map
+    from grazing.oscillator.rig import Rig
 
 #: What certificates say of a model, and not of an orbit of it.
 PARTS = ("model", "law", "walls", "objects", "rho", "g", "tilt", "lam", "mu", "l")
@@ -48,22 +51,33 @@ def same_model(data: Mapping[str, Any], model: Any) -> None:
             )
 
 
-def _described(model: Any, data: Mapping[str, Any]) -> dict[str, Any]:
-    """Return what a certificate would say of a model."""
+def of_rig(model: Rig, speeds: list[float]) -> dict[str, Any]:
+    """Return what certificates say of an oscillator, whose laws they hold at these velocities before impacts."""
     from grazing.proof.equations import Equations
     from grazing.proof.report import described
+
+    return described(Equations(model, 0, 1, speeds=speeds), 0)
+
+
+def of_table(table: Table, speeds: list[float]) -> dict[str, Any]:
+    """Return what certificates say of a table."""
     from grazing.proof.table import described_table
 
-    speeds = speeds_in(data)
+    return described_table(table, [-v for v in speeds])
+
+
+def of_gap_map(P: Map, speeds: list[float]) -> dict[str, Any]:
+    """Return what certificates say of a gap map."""
+    return {name: float(P.params[name]).hex() for name in ("lam", "mu", "l")}
+
+
+def _described(model: Any, data: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a certificate would say of a model."""
+    place = getattr(getattr(model, "origin", model), "certified_as", "")
+    if not place:
+        raise InputError(f"model is {shown(model)}; give a gz.Oscillator, a gz.table or a gap map")
     try:
-        if isinstance(model, Rig):
-            found = described(Equations(model, 0, 1, speeds=speeds), 0)
-        elif isinstance(model, Table):
-            found = described_table(model, [-v for v in speeds])
-        elif isinstance(model, Map) and model.origin.orbits is not None:
-            found = {name: float(model.params[name]).hex() for name in ("lam", "mu", "l")}
-        else:
-            raise InputError(f"model is {shown(model)}; give a gz.Oscillator, a gz.table or a gap map")
+        found = named(place)(model, speeds_in(data))
     except NotAnExpression as error:
         raise InputError(f"the reset law of {shown(model)} is no expression to hold against it: {error}") from None
     return {name: found[name] for name in PARTS if name in found}

@@ -90,13 +90,17 @@ def uncertainty(grid: NDArray[np.int64], even: bool = True) -> dict[str, float]:
     met = (shares > 0.0) & (shares < 1.0)
     slope = error = float("nan")
     if met.sum() >= 3:
-        x, y = np.log(np.array(usable)[met]), np.log(shares[met])
-        x = x - x.mean()
-        slope = float((x * y).sum() / (x * x).sum())
-        left = y - y.mean() - slope * x
-        error = float(np.sqrt((left * left).sum() / (len(x) - 2) / (x * x).sum()))
+        slope, error = line_through(np.log(np.array(usable)[met]), np.log(shares[met]))
     return {
         "uncertainty_exponent": slope,
         "uncertainty_error": error,
         "boundary_dimension": grid.ndim - slope,
     }
+
+
+def line_through(x: NDArray[np.float64], y: NDArray[np.float64]) -> tuple[float, float]:
+    """Return the slope of the line of least squares through points, and its standard error."""
+    far = x - x.mean()
+    slope = float((far * y).sum() / (far * far).sum())
+    rest = y - y.mean() - slope * far
+    return slope, float(np.sqrt((rest * rest).sum() / (len(x) - 2) / (far * far).sum()))

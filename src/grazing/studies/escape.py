@@ -24,8 +24,10 @@ if TYPE_CHECKING:
 Floats = NDArray[np.float64]
 #: Steps for which it is remembered how many orbits of a population stayed.
 KEPT = 10
-#: By how much copies are moved: the angle of a ball, whose density is smooth in it, and coordinates of other maps.
-BALLS, OTHERS = 0.02, 0.002
+#: Steps since an orbit was last moved, counted up to these; and the share of orbits, moved the longest ago, that count.
+AGES, OLDEST = 16, 0.05
+#: By how much each orbit is moved at each step: x -> 2 x mod 1 does not round, and runs out of digits after 53 steps.
+DIGITS = 2.0**-40
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,12 +42,15 @@ class EscapeRate(ByValue):
         Orbits of a population, and the steps that the mean is over.
     lost : int
         Orbits that ended otherwise than by escaping; they count neither as staying nor as escaping.
+    drift : float
+        By how much the rate differs where orbits count half as many steps after they were moved.
     """
 
     rates: Floats
     orbits: int
     steps: int
     lost: int
+    drift: float = 0.0
 
     def __post_init__(self) -> None:
         rates = np.array(self.rates, np.float64)
@@ -59,8 +64,8 @@ class EscapeRate(ByValue):
 
     @property
     def error(self) -> float:
-        """Its standard error, by how much the populations differ."""
-        return float(self.rates.std(ddof=1) / np.sqrt(len(self.rates)))
+        """Its standard error, by how much the populations differ and by the drift."""
+        return float(np.hypot(self.rates.std(ddof=1) / np.sqrt(len(self.rates)), self.drift))
 
     def __repr__(self) -> str:
         many = f"{len(self.rates)} populations of {self.orbits} orbits over {self.steps} steps"
@@ -74,7 +79,7 @@ def escape_rate(
     transient: int = 40,
     steps: int = 40,
     populations: int = 8,
-    stir: float | None = None,
+    stir: float = 0.02,
     seed: int = 0,
     threads: int | None = None,
 ) -> EscapeRate:
@@ -91,9 +96,8 @@ def escape_rate(
         settle.
     populations : int
         How many independent ones there are, >= 2: the error is by how much they differ.
-    stir : float, optional
-        By how much copies are moved, > 0: in radians for the angle of a ball, 0.02 unless said; for other maps in sizes
-        of the box, 0.002.
+    stir : float
+        By how much copies are moved, > 0: in radians for the angle of a ball, for other maps in sizes of the box.
     seed : int
         Equal seeds give equal numbers.
     threads : int, optional
@@ -112,14 +116,16 @@ def escape_rate(
     Notes
     -----
     After each step the orbits that have escaped are replaced by copies of others, drawn at random: without them after n
-    impacts only exp(-rate n) of all balls are left. A copy is moved a little, or it would do as its original does; that
-    smooths the density in the direction in which it is smooth, and moves the rate by some part of the square of
-    ``stir``: measured for three discs, by 0.001 at 0.1 and by less than 0.0003 at 0.03. Where the density jumps within
-    the box, as that of a map with a hole does, it is some part of ``stir`` itself. Copies take a few steps to
-    part, so that orbits are not independent; populations are. One in which few orbits stay then has copies of these,
-    of which more stay than of all: a mean of logarithms of shares is too large by some part of 1/``orbits``. So each
-    population counts as many times as orbits would be left in it without copies, over the last 10 steps, and the
-    jackknife over populations takes away what is left of that error and says the statistical one.
+    impacts only exp(-rate n) of all balls are left. A copy is moved a little, or it would do as its original does; one
+    that is moved over an edge of the density, such as that of a hole, or off what never leaves, stays longer or less
+    long than it should. So only orbits that were last moved some steps ago count: as many steps as leave a twentieth of
+    all, or 16. Where half as many give another rate, that ``drift`` is part of the error, for decays that are no
+    exponentials, too. Copies have to part within these steps: a ``stir`` below some 0.01 hides the drift of maps that
+    lose most orbits. Orbits are not independent; populations are. One in which few orbits stay then has copies of
+    these, of which more stay than of all: a mean of logarithms of shares is too large by some part of 1/``orbits``. So
+    each population counts as many times as orbits would be left in it without copies, over the last 10 steps, and the
+    jackknife over populations takes away what is left of that error and says the statistical one. All orbits of maps
+    of one's own are moved by 2^-40 of the box at each step, as rounding would: 2 x mod 1 takes every double to 0.
 
     References
     ----------
@@ -139,25 +145,28 @@ def escape_rate(
         raise InputError(f"P is {shown(P)}; give a map of which orbits escape, such as gz.collision_map(table)")
     orbits, populations = whole(orbits, "orbits", 100), whole(populations, "populations", 2)
     transient, steps = whole(transient, "transient", 0), whole(steps, "steps", 1)
-    stir = (BALLS if P.origin.stirred else OTHERS) if stir is None else stir
     seed, stir = whole(seed, "seed", 0, 2**53), real(stir, "stir", "give a small number > 0, such as 0.02")
     if not stir > 0.0:
         raise InputError(
             f"stir is {stir:g}; give a small number > 0, such as 0.02: copies that are not moved stay equal"
         )
     warm = min(transient, KEPT)
-    room = 8.0 * (4 * (P.dimension + 4) * orbits + 2 * populations * (warm + steps))
+    room = 8.0 * (4 * (P.dimension + 5) * orbits + 4 * populations * (warm + steps) * (AGES + 1))
     refuse_too_large(
         room, f"reduce orbits ({orbits}), populations ({populations}) or steps ({steps})", "the populations"
     )
-    box, left = np.array(P.box), 0
+    box, lost = np.array(P.box), 0
     names = P.origin.stirred or P.coordinates
     moved = np.array([P.coordinates.index(name) for name in names])
     size = np.ones(len(names)) if P.origin.stirred else (box[:, 1] - box[:, 0])[moved]
-    shares, lost = np.empty((populations, warm + steps)), 0
+    counts = np.zeros((2, populations, warm + steps, AGES + 1))
     for i in range(populations):
-        states = (box[:, 0] + (box[:, 1] - box[:, 0]) * uniform(seed, (float(i), -1.0), orbits, len(box))).T
+        drawn = uniform(seed, (float(i), -1.0), orbits, len(box) + len(names))
+        states = (box[:, 0] + (box[:, 1] - box[:, 0]) * drawn[:, : len(box)]).T
+        digits = (0.0 if P.origin.stirred else DIGITS) * size[:, None] * (drawn[:, len(box) :].T - 0.5)
+        age = np.zeros(orbits, np.int64)
         for k in range(transient + steps):
+            states[moved] = aside(states[moved], digits, box[moved])
             found = P.run_columns(P.packed()[1][None], states[None].copy(), 0, 1, threads=threads)
             outcomes = found.outcomes[0, 0]
             gone = (outcomes & ESCAPED) != 0
@@ -165,17 +174,19 @@ def escape_rate(
             if len(stays) == 0:
                 raise InputError(f"all {orbits} orbits have ended after {k + 1} steps; more orbits= may stay longer")
             lost += orbits - len(stays) - int(gone.sum())
-            left += int(gone.sum())
             if k >= transient - warm:
-                shares[i, k - transient + warm] = len(stays) / (len(stays) + int(gone.sum()))
+                for n, ages in enumerate((age[stays], age[gone])):
+                    counts[n, i, k - transient + warm] = np.bincount(ages, minlength=AGES + 1)
             drawn = uniform(seed, (float(i), float(k)), orbits - len(stays), 1 + len(names))
             of = stays[(drawn[:, 0] * len(stays)).astype(np.int64)]
             states = found.points[0, 0][:, np.concatenate([stays, of])]
             by = stir * size[:, None] * np.sqrt(3.0) * (2.0 * drawn[:, 1:].T - 1.0)
             states[moved, len(stays) :] = aside(states[moved, len(stays) :], by, box[moved])
-    if left == 0:
+            age = np.concatenate([np.minimum(age[stays] + 1, AGES), np.zeros(len(of), np.int64)])
+    if not counts[1].any():
         raise InputError(f"none of {orbits} orbits has escaped in {transient + steps} steps: there may be no way out")
-    return EscapeRate(rates_of(shares, warm), orbits, steps, lost)
+    rates, drift = rates_of(counts[0], counts[1], warm)
+    return EscapeRate(rates, orbits, steps, lost, drift)
 
 
 def aside(x: Floats, by: Floats, box: Floats) -> Floats:
@@ -197,28 +208,37 @@ def aside(x: Floats, by: Floats, box: Floats) -> Floats:
     return np.where(leaves, low + np.minimum(turn, 2.0 * side - turn), to)
 
 
-def rates_of(shares: Floats, warm: int) -> Floats:
-    """Return the pseudo-values, shape (populations,), whose mean is the rate, of the shares that stay at each step.
+def rates_of(stayed: Floats, gone: Floats, warm: int) -> tuple[Floats, float]:
+    """Return the pseudo-values, shape (populations,), whose mean is the rate, and its drift.
 
-    The first ``warm`` steps only weigh the populations.
+    Parameters
+    ----------
+    stayed, gone : ndarray, shape (populations, steps, ages)
+        How many orbits did at each step, by the steps since they were moved. The first ``warm`` steps only weigh the
+        populations.
 
     Examples
     --------
     >>> import numpy as np
     >>> from grazing.studies.escape import rates_of
-    >>> rates_of(np.full((2, 5), 0.5), 2).round(6).tolist()
-    [0.693147, 0.693147]
+    >>> rates, drift = rates_of(np.ones((2, 5, 3)), np.ones((2, 5, 3)), 2)
+    >>> rates.round(6).tolist(), drift
+    ([0.693147, 0.693147], 0.0)
     """
-    logs = np.log(shares)
-    many, steps = len(shares), shares.shape[1] - warm
-    rate, without = 0.0, np.zeros(many)
-    for k in range(warm, warm + steps):
+    older = np.cumsum(np.array([stayed, stayed + gone])[..., ::-1], axis=-1)[..., ::-1]
+    logs = np.log(older[0, :, :, 0] / older[1, :, :, 0])
+    many, steps, ages = stayed.shape
+    each = np.zeros((2, many, ages))
+    for k in range(warm, steps):
         stood = logs[:, max(0, k - KEPT) : k].sum(axis=1)
         weights = np.exp(stood - stood.max())
-        stayed = weights * shares[:, k]
-        rate -= np.log(stayed.sum() / weights.sum()) / steps
-        without -= np.log((stayed.sum() - stayed) / (weights.sum() - weights)) / steps
-    return np.asarray(many * rate - (many - 1) * without)
+        each += (weights / weights.sum())[:, None] * older[:, :, k]
+    share = each[1].sum(axis=0) / each[1, :, 0].sum()
+    age = int(np.flatnonzero((share >= OLDEST) & each[0].all(axis=0))[-1])
+    each = each[:, :, [age, age // 2]]
+    rate, half = -np.log(np.divide(*each.sum(axis=1)))
+    without = -np.log(np.divide(*(each.sum(axis=1, keepdims=True) - each)))[:, 0]
+    return many * rate - (many - 1) * without, abs(float(rate - half))
 
 
 def escape(

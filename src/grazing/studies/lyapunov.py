@@ -12,6 +12,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from grazing.kernel.compile import call
 from grazing.maps.columns import Columns
+from grazing.maps.derivative import STEP
 from grazing.maps.map import Map
 from grazing.outcome import InputError
 from grazing.parameter import checked_name, whole
@@ -38,6 +39,8 @@ WARM = 64
 BATCHES = 20
 #: Eigenvalues that are equal but for so many units of rounding are equal.
 ROUNDING = 32 * np.finfo(float).eps
+#: What rounding may add to every step's logarithm where derivatives are differences.
+ROUNDED = np.finfo(float).eps / STEP
 #: A step with its derivative takes about so many times as long as one without.
 SLOWER = 10
 #: Steps of a tile, over all its orbits.
@@ -82,6 +85,7 @@ def lyapunov(
         completed chatter or sticking, not a number where an orbit ended or has no derivative (a graze).
         ``exponent_error``, its standard error: 0 for an orbit with a period; else that of the mean of 20 batches of
         the steps, which holds as far as an orbit forgets within a batch, and not a number beside what is not finite.
+        Where derivatives are differences 4e-11 is added for rounding.
         For a map of a model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name,
         "start"): ``period``, ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
 
@@ -191,7 +195,8 @@ def _measure(
         exponent, error, first, last, letters, outcomes = yield from of_orbits(P, rows, states, steps)
         arrays["outcome"][part] |= outcomes
         many = np.full(len(states), float(steps))
-    arrays["exponent"][part], arrays["exponent_error"][part] = exponent, error
+    rounding = ROUNDED if P.tangent is None and P.origin.derivative is None else 0.0
+    arrays["exponent"][part], arrays["exponent_error"][part] = exponent, np.hypot(error, rounding)
     if P.origin.clock is not None:
         for n in np.unique(many):
             here = many == n

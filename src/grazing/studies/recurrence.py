@@ -14,6 +14,7 @@ import numpy as np
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import BLOCK as LANES
 from grazing.kernel.primitives import at, inlined
+from grazing.orbits.word import least_start, wrapped
 from grazing.outcome import FATAL
 
 UNDECIDED, APERIODIC, ENDED = 0, -1, -2
@@ -291,29 +292,6 @@ def root_length(s: Any, first: int, N: int) -> int:
 
 
 @inlined
-def wrapped(n: int, length: int) -> int:
-    """Return n modulo the length, for n below twice the length: a division takes long."""
-    return n - length if n >= length else n
-
-
-def least_start(s: Any, first: int, n: int) -> int:
-    """Return where, in the cycle of n letters from ``first`` on, the least rotation begins; counted from ``first``."""
-    i, j, k = 0, 1, 0  # two rotations that agree in k letters; the larger one and all between them drop out
-    while i < n and j < n and k < n:
-        a, b = s[first + wrapped(i + k, n)], s[first + wrapped(j + k, n)]
-        if a == b:
-            k += 1
-            continue
-        if a > b:
-            i += k + 1
-        else:
-            j += k + 1
-        if i == j:
-            j += 1
-        k = 0
-    return min(i, j)
-
-
 def spelled(letters: Any, period: Any, key: Any, begin: Any, length: Any) -> None:
     """Say where each orbit's word begins among its letters, how long it is, and a key that only equal words share."""
     columns, keep, starts = letters.shape

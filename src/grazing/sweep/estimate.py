@@ -148,6 +148,8 @@ def _seconds_per_cell(plan: Plan) -> tuple[int, float]:
         return 0, 0.0
     order = order * (plan.cells // len(order))  # all over a plan of very many cells
     finished, seconds = _time(plan, order[:1], PATIENCE)
+    if not finished:  # it may have loaded packages and kernels, which takes seconds on a busy machine
+        finished, seconds = _time(plan, order[:1], PATIENCE)
     if not finished:
         return 0, seconds
     count, best, left = 1, (1, seconds), PATIENCE

@@ -22,6 +22,13 @@ export function plainSymbol(field) {
   return symbolOf(field).join("");
 }
 
+/** Write a text, with the subscripts of μ_PD and its like set below; what stands there already is left: it would be read aloud again. @param {HTMLElement} element @param {string} text */
+export function typeset(element, text) {
+  const parts = text.split(/_([A-Z]{2})\b/);
+  if (element.textContent === parts.join("")) return;
+  element.replaceChildren(...parts.map((part, i) => (i % 2 ? Object.assign(document.createElement("sub"), { textContent: part }) : part)));
+}
+
 let count = 0;
 /** Steps of a slider by a key in its length; a fine step, by a key with Shift or a pixel up, is a part of one. */
 const STEPS = 500, FINE = 10;

@@ -24,6 +24,8 @@ const CHUNK_WORK = 4e5;
 const AT_ONCE = 1.1e6, SOON = 12;
 /** Orbits and steps of a column that are asked for their periods. */
 const ASKED = 8, SEEN = 64;
+/** Rows of a picture that one pixel shows at most. */
+const MOST = 64;
 
 /** What is known of a diagram. Takes the arrays of another one that nobody needs any more, if they fit. */
 class Raster {
@@ -98,7 +100,7 @@ export class Diagram {
    * @param {HTMLCanvasElement} canvas
    * @param {import("./pool.js").Pool} pool
    * @param {string} channel
-   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events
+   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, on?: () => Axes | undefined, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events `on` gives the picture on whose scale this one is drawn
    */
   constructor(canvas, pool, channel, events) {
     this.axes = new Axes(canvas);
@@ -338,10 +340,15 @@ export class Diagram {
   #draw(c) {
     if (!this.#shown) return;
     const { axes } = this, { spec } = this.#shown, wanted = this.#follows(spec) ? this.spec : spec;
-    axes.span(wanted.span[0], wanted.span[1], wanted.low, wanted.high);
+    const { x0, x1, y0, y1 } = this.events.on?.() ?? { x0: wanted.span[0], x1: wanted.span[1], y0: wanted.low, y1: wanted.high };
+    axes.span(x0, x1, y0, y1);
     this.events.under?.(axes, c);
-    const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)];
-    axes.inside(() => c.drawImage(this.image, left, top, axes.x(spec.span[1]) - left, axes.y(spec.low) - top));
+    const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)], [w, h] = [axes.x(spec.span[1]) - left, axes.y(spec.low) - top];
+    const rows = Math.min(MOST, Math.max(1, Math.round(this.image.height / (h * axes.ratio)))); // of the picture in a pixel: each is drawn, so that no line is lost
+    axes.inside(() => {
+      c.imageSmoothingEnabled = rows === 1;
+      for (let j = 0; j < rows; j++) c.drawImage(this.image, left, top - (j * h) / this.image.height, w, h);
+    });
     this.events.overlay?.(axes, c);
     axes.frame(spec.labels[0], spec.labels[1]);
     this.gestures.draw(c);

@@ -1,28 +1,12 @@
 // @ts-check
 /** The table edited by hand: bumpers are dragged to where there is room, and each has its own kick and bounce. */
 
+import { distance } from "./near.js";
+
 /** @typedef {import("./played.js").Played} Played */
-/** @typedef {import("./played.js").Thing} Thing */
 
 /** Parts of a table's width that an arrow key moves a disc by, and pixels around a disc that still take it. */
 const STEP = 1 / 200, GRASP = 10;
-
-/** How far a point is from a line between two others. @param {number} x @param {number} y @param {Record<string, number>} line */
-function fromLine(x, y, { x1, y1, x2, y2 }) {
-  const [ex, ey] = [x2 - x1, y2 - y1], along = Math.min(1, Math.max(0, ((x - x1) * ex + (y - y1) * ey) / (ex * ex + ey * ey)));
-  return Math.hypot(x - x1 - along * ex, y - y1 - along * ey);
-}
-
-/** How far a point is from an object; of a flipper, from all places that it reaches. @param {number} x @param {number} y @param {Thing} one */
-function distance(x, y, { kind, shape }) {
-  if (kind === "segment" || kind === "drain") return fromLine(x, y, shape);
-  const [dx, dy] = [x - shape.x, y - shape.y], far = Math.hypot(dx, dy);
-  if (kind === "disc") return far - shape.radius;
-  if (kind === "flipper") return far - shape.length - Math.max(shape.hub, shape.tip);
-  const turn = (((Math.atan2(dy, dx) - shape.start) % (2 * Math.PI)) + 2 * Math.PI) % (2 * Math.PI);
-  if (turn <= shape.stop - shape.start) return Math.abs(far - shape.radius);
-  return Math.min(...[shape.start, shape.stop].map((a) => Math.hypot(dx - shape.radius * Math.cos(a), dy - shape.radius * Math.sin(a))));
-}
 
 /** Whether a disc has room at a place: it overlaps nothing, stays on the table, and leaves launches free. @param {Played} game @param {number} j @param {number} x @param {number} y */
 export function hasRoom(game, j, x, y) {

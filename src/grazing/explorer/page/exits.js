@@ -30,8 +30,7 @@ export class Exits {
       this.draw();
     };
     canvas.addEventListener("click", (event) => {
-      const { left, top } = canvas.getBoundingClientRect(), { axes } = this;
-      const angle = axes.atX(event.clientX - left), speed = axes.atY(event.clientY - top);
+      const { axes } = this, [x, y] = axes.place(event), angle = axes.atX(x), speed = axes.atY(y);
       if (angle >= axes.x0 && angle <= axes.x1 && speed >= 0 && speed <= axes.y1) this.choose(angle, speed);
     });
     canvas.addEventListener("keydown", (event) => {

@@ -132,6 +132,11 @@ export class FlowView {
     return this.search.classes;
   }
 
+  /** The diagram that another state asks for. @param {State} state */
+  specOf(state) {
+    return diagramOf(this.machine, state, this.tolerance).spec();
+  }
+
   /**
    * Compute the normal form, and its map at the μ of each column.
    * @param {State} state @param {Floats} row @param {number} which @param {import("./machine.js").Field} field

@@ -83,6 +83,16 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
   }
 }
 
+/** The diagram that a state asks for. @param {State} state @param {number} tolerance @returns {import("./diagram.js").Spec} */
+function diagramOf(state, tolerance) {
+  const [low, high] = state.range ?? reach(state.lam, state.l, state.span);
+  return {
+    machine: "gap", row: Float64Array.of(state.lam, state.mu, state.l), which: 1, span: state.span, columns: state.columns, bins: state.bins, low, high, coordinate: 0,
+    starts: state.starts, transient: state.transient, keep: state.keep, seed: state.seed, tolerance,
+    colour: state.colour, labels: ["μ", "x"], cost: 1, quick: { stride: 1, starts: 4, transient: Math.min(200, state.transient), keep: 112 },
+  };
+}
+
 export class GapView {
   /** @type {State} */ state = later();
   /** @type {Window[]} */ windows = [];
@@ -121,22 +131,15 @@ export class GapView {
     return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb.axes, draw: () => this.cobweb.draw() }];
   }
 
-  /** @param {State} state */
-  range(state) {
-    return state.range ?? reach(state.lam, state.l, state.span);
+  /** The diagram that another state asks for. @param {State} state */
+  specOf(state) {
+    return diagramOf(state, this.tolerance);
   }
 
   /** Show a state; the raster is computed again only if it changes. @param {State} state */
   show(state) {
     this.state = state;
-    const [low, high] = this.range(state);
-    const row = Float64Array.of(state.lam, state.mu, state.l);
-    /** @type {import("./diagram.js").Spec} */
-    const spec = {
-      machine: "gap", row, which: 1, span: state.span, columns: state.columns, bins: state.bins, low, high, coordinate: 0,
-      starts: state.starts, transient: state.transient, keep: state.keep, seed: state.seed, tolerance: this.tolerance,
-      colour: state.colour, labels: ["μ", "x"], cost: 1, quick: { stride: 1, starts: 4, transient: Math.min(200, state.transient), keep: 112 },
-    };
+    const spec = this.specOf(state), { row } = spec;
     this.windows = windows(this.machine, state.lam, state.l);
     const key = JSON.stringify({ ...spec, row: [state.lam, state.l] });
     if (key !== this.key) {
@@ -148,6 +151,11 @@ export class GapView {
       if (each.period > 0) each.multiplier = each.points.reduce((product, [x]) => product * (x < 0 ? state.lam : -0.5 / Math.sqrt(x)), 1);
     }
     this.cobweb.draw();
+  }
+
+  /** What of theory lies under the diagram of a state. @param {Axes} axes @param {Pen} c @param {State} state */
+  backdrop(axes, c, { lam, l }) {
+    if (this.state.theory) drawWindows(axes, c, windows(this.machine, lam, l));
   }
 
   repaint() {

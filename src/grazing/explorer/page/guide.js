@@ -1,5 +1,6 @@
 // @ts-check
 /** The guide beside the pictures: the steps of the tour with their questions, and the note that a link carries. */
+import { typeset } from "./controls.js";
 import { LONGEST_NOTE } from "./state.js";
 import { TOUR } from "./tour.js";
 
@@ -7,14 +8,9 @@ import { TOUR } from "./tour.js";
 /** What the page lends. @typedef {{change: (part: object) => void, present: (shown: Partial<State>) => void, state: () => State}} Page */
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
-/** @param {HTMLElement} element @param {string} text */
-const say = (element, text) => {
-  if (element.textContent !== text) element.textContent = text; // what is said again is read aloud again
-};
-
 /** Begin, turn and end the tour by its buttons, and write the note; returns what shows a state. @param {Page} page */
 export function guided({ change, present, state }) {
-  const visit = (/** @type {number} */ n) => TOUR[n - 1] && present({ ...TOUR[n - 1].state, tour: n });
+  const visit = (/** @type {number} */ n) => TOUR[n - 1] && present({ pinned: "", ...TOUR[n - 1].state, tour: n });
   byId("tour").addEventListener("click", () => visit(1));
   byId("back").addEventListener("click", () => visit(state().tour - 1));
   byId("next").addEventListener("click", () => visit(state().tour + 1));
@@ -32,7 +28,7 @@ export function guided({ change, present, state }) {
     byId("told").hidden = !asked || !answer;
     if (!asked || !step) return;
     if (told !== step) {
-      say(byId("ask"), asked.ask);
+      typeset(byId("ask"), asked.ask);
       byId("choices").replaceChildren(...asked.choices.map((text, i) => {
         const button = document.createElement("button");
         Object.assign(button, { type: "button", textContent: text });
@@ -44,27 +40,27 @@ export function guided({ change, present, state }) {
       const right = Boolean(answer) && i === asked.right, wrong = i === answer - 1 && !right;
       button.className = right ? "right" : wrong ? "wrong" : "";
       button.setAttribute("aria-pressed", String(i === answer - 1));
-      say(button, `${right ? "✓ " : wrong ? "✗ " : ""}${asked.choices[i]}`);
+      typeset(button, `${right ? "✓ " : wrong ? "✗ " : ""}${asked.choices[i]}`);
     });
-    say(byId("told"), answer ? asked.told : "");
+    typeset(byId("told"), answer ? asked.told : "");
   }
 
   return (/** @type {State} */ now) => {
     const step = TOUR[now.tour - 1], focused = document.activeElement, left = !step && guide.contains(focused);
     guide.hidden = !step;
     if (left) byId("tour").focus();
-    say(byId("note"), now.note);
+    typeset(byId("note"), now.note);
     byId("note").hidden = !now.note;
     if (byId("write") !== focused) byId("write").value = now.note;
     ask(step, now);
     told = step;
     if (!step) return;
-    say(byId("guide-title"), `${now.tour} of ${TOUR.length}: ${step.title}`);
-    say(byId("guide-text"), step.text);
+    typeset(byId("guide-title"), `${now.tour} of ${TOUR.length}: ${step.title}`);
+    typeset(byId("guide-text"), step.text);
     const [href, text] = step.link ?? ["", ""];
     byId("guide-link").hidden = !href;
     byId("guide-link").href = href;
-    say(byId("guide-link"), text);
+    typeset(byId("guide-link"), text);
     back.disabled = now.tour === 1;
     next.disabled = now.tour === TOUR.length;
     // a button that is switched off loses the focus: the other one takes it

@@ -3,7 +3,7 @@
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
 import { dark } from "./colours.js";
-import { plainSymbol } from "./controls.js";
+import { plainSymbol, typeset } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
@@ -56,7 +56,7 @@ const part = (of, key) => /** @type {Record<string, any>} */ (of)[key];
 /** @returns {View | undefined} */
 const current = () => views[state.view];
 /** What `share.js` asks of the page. */
-const page = { view: current, state: () => state, drawn: () => !problems.has("picture"), address: () => address() };
+const page = { view: current, more: () => pinned?.panels() ?? [], repaint: () => (current()?.repaint(), pinned?.repaint()), state: () => state, drawn: () => !problems.has("picture"), address: () => address() };
 /** @param {unknown} error */
 const wordsOf = (error) => (error instanceof Error ? error.message : String(error));
 /** @param {string} selector @returns {HTMLElement[]} */
@@ -81,6 +81,7 @@ function change(given) {
   if ("vary" in next && !next.reach) Object.assign(next, { reach: wholeOf("reach", next.vary), window: null });
   if ("second" in next && !next.heights) next.heights = wholeOf("heights", next.second);
   if ("coordinate" in next) next.window = null;
+  follow(next);
   const named = /** @type {Record<string, string>} */ ({ reach: next.vary ?? state.vary, heights: next.second ?? state.second });
   for (const key of Object.values(ZOOMED).flat()) {
     if (key in next) next[key] = next[key] ? trimmed(allowed(fields[named[key]], next[key])) : part(home, key);
@@ -107,6 +108,13 @@ function change(given) {
     Object.assign(state, before);
     refresh();
   };
+}
+
+/** Where a parameter leaves its diagram, that goes along. @param {Record<string, any>} next */
+function follow(next) {
+  const [name, axis, other] = state.view === "gap" ? ["mu", "span", "range"] : [state.vary, "reach", "window"], value = next[name];
+  const [low, high] = part(state, axis), middle = (high - low) / 2;
+  if (typeof value === "number" && !(axis in next) && !(value >= low && value <= high) && !refusal(name, value, fields)) Object.assign(next, { [axis]: [value - middle, value + middle], [other]: null });
 }
 
 /** @param {Pair} ends @returns {Pair} */
@@ -160,12 +168,11 @@ function render() {
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
-  $("hint").textContent = HINTS[shown];
+  typeset($("hint"), HINTS[shown]);
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);
   const view = current();
-  pinned?.show(comparable());
   $("summary").hidden = !view;
   if (!view && problems.has("kernels")) return;
   if (!view) {
@@ -173,6 +180,7 @@ function render() {
     return;
   }
   pool?.see(shown);
+  pinned?.show();
   view.show(state);
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
@@ -249,7 +257,7 @@ function tell() {
 /** Show a figure of the paper or a step of the tour: its state, and the defaults in all else. @param {Partial<State>} shown */
 function present(shown) {
   leave();
-  state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, ...structuredClone(shown) };
+  state = { ...structuredClone(DEFAULTS), theory: state.theory, colour: state.colour, pinned: state.pinned, ...structuredClone(shown) };
   home = structuredClone(state);
   anew();
   refresh();
@@ -259,20 +267,18 @@ function present(shown) {
 const anew = () => ball && (ball.key = undefined);
 
 /** The diagram on screen that can be kept to compare. */
-const comparable = () => (state.view === "gap" || state.view === "oscillator" ? current()?.diagram : undefined);
+const comparable = () => /** @type {import("./pinned.js").Shown | undefined} */ (state.view === "gap" || state.view === "oscillator" ? current() : undefined);
 
 /** Show all of every axis. */
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
 
-/** @param {Record<string, import("./machine.js").Module>} described */
-function build(described) {
+function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
-  const pin = (pinned = new Pinned($("pin")));
-  for (const view of [views.gap, views.oscillator]) if (view?.diagram) view.diagram.drew = () => pin.show(comparable());
-  $("pin").addEventListener("click", () => pin.turn(comparable(), described[state.view === "gap" ? "gap" : "oscillator"]?.fields ?? []));
+  if (pool) pinned = new Pinned($("pin"), pool, { fields, change, problem: (text) => problem(text, "picture"), view: comparable, state: () => state });
+  for (const view of [views.gap, views.oscillator]) if (view?.diagram) view.diagram.drew = () => pinned?.draw();
   guide = guided({ change, present, state: () => state });
   $("problem").lastElementChild.addEventListener("click", () => {
     problems.clear();
@@ -298,7 +304,7 @@ function build(described) {
     linked = hash;
     if (hash !== toFragment(state)) read(hash);
   });
-  const again = () => (failed ? refresh() : current()?.repaint());
+  const again = () => (failed ? refresh() : page.repaint());
   stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
   new ResizeObserver(again).observe($("figures"));
@@ -345,7 +351,7 @@ async function begin() {
     views.ball = ball = new BallView(machines.oscillator, described, events, pool);
   }
   if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
-  build(described.modules);
+  build();
   read(location.hash);
   // for tests and for the curious: what is on screen
   Object.assign(globalThis, { explorer: { views, state: () => state, link: () => toFragment(state), texts: () => ({ python: python(state, views[state.view].raster()), command: command(state, views[state.view].raster()) }) } });

@@ -1,76 +1,100 @@
 // @ts-check
-/** A picture that is kept while settings change: drawn above the present one on the scale of that, to compare. */
+/** A setting that is kept while others are shown: its diagram stands above the present one, on the scale of that, to compare. */
 import { theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
-import { Axes } from "./plot.js";
-import { numeral } from "./state.js";
+import { Diagram } from "./diagram.js";
+import { kept, numeral, settingOf } from "./state.js";
 
-/** @typedef {import("./diagram.js").Diagram} Diagram */
 /** @typedef {import("./diagram.js").Spec} Spec */
-/** @typedef {{image: HTMLCanvasElement, spec: Spec, fields: import("./machine.js").Field[]}} Kept a picture, what it shows, and what is known of its numbers */
+/** @typedef {import("./state.js").State} State */
+/** @typedef {import("./gap.js").GapView | import("./flow.js").FlowView} Shown a view whose diagram can be kept */
 
-/** Rows of a picture that one pixel shows at most. */
-const MOST = 64;
 /** Numbers of a row that nobody sets. */
 const WITHIN = ["order", "paper"];
 
-/** Parameters in which one picture differs from another, but for that along the axis. @param {Kept} one @param {Spec} other */
-export function differing({ spec, fields }, other) {
+/** Parameters in which one picture differs from another, but for that along the axis. @param {Spec} one @param {Spec} other @param {import("./machine.js").Field[]} fields of their rows */
+function differing(one, other, fields) {
   const value = (/** @type {import("./machine.js").Field} */ { choices }, /** @type {number} */ number) => choices?.[number] ?? numeral(number);
-  return fields.flatMap((field, i) => (i === spec.which || WITHIN.includes(field.name) || spec.row[i] === other.row[i] ? [] : [`${plainSymbol(field)} = ${value(field, spec.row[i])}`]));
+  return fields.flatMap((field, i) => (i === one.which || WITHIN.includes(field.name) || one.row[i] === other.row[i] ? [] : [`${plainSymbol(field)} = ${value(field, one.row[i])}`]));
 }
 
-export class Pinned {
-  /** @type {Kept | null} */ kept = null;
+/** Axes along which both pictures lie: the kept one is computed for what is seen. @type {Record<string, (state: State, of: State) => Partial<State>>} */
+const SEEN = {
+  gap: (state, { range }) => ({ span: state.span, range: state.range ?? range }),
+  oscillator: (state, { window }) => ({ reach: state.reach, window: state.window ?? window }),
+};
 
-  /** @param {HTMLElement} button */
-  constructor(button) {
+export class Pinned {
+  /** What is computed. */ #key = "";
+
+  /** @param {HTMLElement} button @param {import("./pool.js").Pool} pool @param {{fields: import("./state.js").Fields, change: (part: object) => import("./gestures.js").Undo, problem: (text: string) => void, view: () => Shown | undefined, state: () => State}} page */
+  constructor(button, pool, page) {
     this.button = button;
+    this.page = page;
     const canvas = document.createElement("canvas");
     Object.assign(canvas, { id: "pinned", hidden: true });
     canvas.setAttribute("role", "img");
     canvas.setAttribute("aria-label", "The pinned diagram");
     document.body.append(canvas); // until it is put above a diagram
-    this.axes = new Axes(canvas);
-  }
-
-  /** Keep the picture of a diagram, or let go of what is kept. @param {Diagram | undefined} diagram @param {import("./machine.js").Field[]} fields of the row of its parameters */
-  turn(diagram, fields) {
-    const image = this.kept || !diagram?.drawn ? null : document.createElement("canvas"), source = diagram?.image;
-    this.kept = null;
-    if (image && source && diagram?.drawn) {
-      Object.assign(image, { width: source.width, height: source.height });
-      image.getContext("2d")?.drawImage(source, 0, 0);
-      this.kept = { image, spec: diagram.drawn, fields };
-    }
-    this.show(diagram);
-  }
-
-  /** Draw what is kept on the scale of the diagram beside it; nothing where that shows something else. @param {Diagram | undefined} diagram */
-  show(diagram) {
-    const { kept, axes } = this, now = diagram?.drawn;
-    const fits = Boolean(kept && now && kept.spec.machine === now.machine && kept.spec.which === now.which && kept.spec.coordinate === now.coordinate);
-    this.button.setAttribute("aria-pressed", String(Boolean(kept)));
-    this.button.hidden = !diagram;
-    const { canvas } = axes, below = diagram?.axes.canvas;
-    const moves = canvas.hidden === fits || (fits && canvas.nextElementSibling !== below);
-    canvas.hidden = !fits;
-    if (!fits || !kept || !now || !diagram || !below) return;
-    if (moves) below.before(canvas);
-    const { spec, image } = kept, c = axes.begin();
-    axes.span(diagram.axes.x0, diagram.axes.x1, diagram.axes.y0, diagram.axes.y1);
-    const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)], [w, h] = [axes.x(spec.span[1]) - left, axes.y(spec.low) - top];
-    const rows = Math.min(MOST, Math.max(1, Math.ceil(image.height / (h * axes.ratio)))); // of the picture in a pixel: each is drawn, so that no line is lost
-    /** @type {CanvasRenderingContext2D} */ (c).imageSmoothingEnabled = rows === 1;
-    axes.inside(() => {
-      for (let j = 0; j < rows; j++) c.drawImage(image, left, top - (j * h) / image.height, w, h);
+    const beside = () => (page.view()?.diagram.drawn ? page.view()?.diagram : undefined), answers = () => beside()?.events;
+    this.diagram = new Diagram(canvas, pool, "pinned", {
+      pick: (x, y) => answers()?.pick?.(x, y) ?? (() => {}),
+      zoom: (x, y) => answers()?.zoom?.(x, y),
+      zoomOut: () => answers()?.zoomOut?.(),
+      chosen: () => answers()?.chosen?.() ?? NaN,
+      on: () => beside()?.axes,
+      under: (axes, c) => {
+        const view = page.view();
+        if (view && "backdrop" in view) view.backdrop(axes, c, kept(page.state().pinned, page.fields));
+      },
+      overlay: (axes, c) => this.#overlay(axes, c),
+      problem: page.problem,
     });
-    axes.frame(spec.labels[0], spec.labels[1]);
-    const said = differing(kept, now), text = `pinned${said.length ? `: ${said.join(", ")}` : ""}`;
+    button.addEventListener("click", () => page.view() && page.change({ pinned: page.state().pinned ? "" : settingOf(page.state()) }));
+  }
+
+  /** Show what is kept above the diagram on screen; nothing where that shows something else. */
+  show() {
+    const { state: now, view: shown, fields } = this.page, state = now(), view = shown(), { canvas } = this.diagram.axes;
+    this.button.setAttribute("aria-pressed", String(Boolean(state.pinned)));
+    this.button.hidden = !view;
+    const of = view && state.pinned ? kept(state.pinned, fields) : null;
+    const fits = of && of.view === state.view && (of.view === "gap" || (of.vary === state.vary && of.coordinate === state.coordinate));
+    const below = view?.diagram.axes.canvas;
+    canvas.hidden = !fits;
+    if (!fits || !view || !below) return;
+    if (canvas.nextElementSibling !== below) below.before(canvas);
+    const asked = { ...of, ...SEEN[of.view](state, of) }, key = JSON.stringify([asked, state.colour]);
+    if (key === this.#key) return;
+    this.#key = key;
+    this.diagram.show(view.specOf({ ...asked, colour: state.colour }));
+  }
+
+  /** Draw what is kept once more: the diagram beside it has been drawn. */
+  draw() {
+    if (!this.diagram.axes.canvas.hidden) this.diagram.draw();
+  }
+
+  /** Paint it at the size and in the colours of now. */
+  repaint() {
+    if (!this.diagram.axes.canvas.hidden) this.diagram.paint();
+  }
+
+  /** What of it is on screen, for a file. @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }];
+  }
+
+  /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */
+  #overlay(axes, c) {
+    const view = this.page.view(), own = this.diagram.drawn, other = view?.diagram.spec;
+    axes.vertical(this.diagram.events.chosen?.() ?? NaN, theme().accent, [], 1.6);
+    if (!view || !own || !other) return;
+    const said = differing(own, other, view.machine.described.fields), text = `pinned${said.length ? `: ${said.join(", ")}` : ""}`;
     c.fillStyle = theme().ink;
     c.textAlign = "right";
     c.textBaseline = "top";
     c.fillText(text, axes.box.x + axes.box.w, 4);
-    canvas.setAttribute("aria-label", `The ${text}, on the scale of the diagram below`);
+    axes.canvas.setAttribute("aria-label", `The ${text}, on the scale of the diagram below`);
   }
 }

@@ -14,6 +14,7 @@
  */
 /** @typedef {{t: number, owner: number, before: number, x: number, y: number}} Hit */
 /** @typedef {[number, number, number, number]} State x, y and the velocity */
+/** @typedef {{t: number, state: State}} Nudge when the table was nudged, and the ball just after that */
 
 /** Bits of outcomes, as kernels.json names them, that the page asks for. @typedef {{fatal: number, escaped: number, ambiguous: number}} Bits */
 
@@ -21,6 +22,8 @@
 const ROOM = 600, CAPACITY = 64;
 /** Seconds between two switches at one time. */
 const INSTANT = 1e-6;
+/** So many nudges in so many seconds tilt the machine. */
+const NUDGES = 3, CALM = 2;
 /** Columns of a flight: see grazing/billiard/flown.py. */
 const WIDTH = 20, TIME = 0, SURFACE = 1, OWNER = 2, BEFORE = 3, SAID = 5, LAST = 10, NEXT = 14;
 /** Numbers of a ball that is followed among many, and where its outcome is. */
@@ -31,6 +34,7 @@ const MOST = 400;
 export class Played {
   /** @type {Hit[]} all impacts of the ball */ hits = [];
   /** @type {Record<string, number[]>} by flipper, when its button was pressed, released, pressed … */ presses = {};
+  /** @type {Nudge[]} */ nudges = [];
   /** Time of the game, and how it ended: a drain's name, *away*, or in words what stopped it; empty while the ball lives. */
   t = 0;
   end = "";
@@ -143,6 +147,7 @@ export class Played {
       one.down = false;
     }
     this.presses = Object.fromEntries(this.flippers.map((name) => [name, []]));
+    this.nudges = [];
     this.#now = Float64Array.from([0, -1, ...state]);
     this.hits = [];
     this.ghosts = this.places = new Float64Array(0);
@@ -169,6 +174,30 @@ export class Played {
     this.block = block;
   }
 
+  /** Nudge the table: a ball in the air is that much faster. Whether it was; one that lies on something is not. @param {number} vx @param {number} vy */
+  nudge(vx, vy) {
+    if (!this.alive || this.slides || !(this.t > this.#now[0] + INSTANT)) return false;
+    const [x, y, u, v] = this.place;
+    this.leap({ t: this.t, state: [x, y, u + vx, v + vy] });
+    for (let i = 0; i < this.ghosts.length; i += BALL) {
+      if (this.ghosts[i + FLAGS] & (this.bits.fatal | this.bits.escaped) || !Number.isInteger(this.ghosts[i + 1])) continue;
+      const [a, b, p, q] = this.places.subarray((4 * i) / BALL);
+      this.ghosts.set([this.t, -1, a, b, p + vx, q + vy], i);
+    }
+    return true;
+  }
+
+  /** Go on from a nudge. @param {Nudge} nudge */
+  leap({ t, state }) {
+    this.nudges.push({ t, state: [...state] });
+    this.#now = Float64Array.of(t, -1, ...state);
+  }
+
+  /** Whether the table has been nudged too often: its flippers are dead until the next ball. */
+  get tilted() {
+    return this.nudges.some(({ t }, i) => t - (this.nudges[i - NUDGES + 1]?.t ?? -Infinity) < CALM);
+  }
+
   /** Forget how a flipper moved before the flights that are under way. @param {{motion: Floats, count: number}} one */
   #forget(one) {
     let since = this.#now[0], gone = 0;
@@ -188,6 +217,11 @@ export class Played {
     while (n > 0 && one.motion[3 * n] > t) n -= 1;
     const [begin, angle, omega] = one.motion.subarray(3 * n, 3 * n + 3);
     return omega ? angle + omega * (t - begin) : angle;
+  }
+
+  /** Whether a flipper is on its way. @param {string} name */
+  turns(name) {
+    return this.angle(name, this.t) !== this.angle(name, this.t - INSTANT);
   }
 
   /** Move on to a time; returns the impacts since. @param {number} until */
@@ -238,12 +272,6 @@ export class Played {
   /** The flight under way: its state at the begin, and how long it has lasted. */
   get flight() {
     return { state: Float64Array.from(this.#now.subarray(2, 6)), length: this.t - this.#now[0], begin: this.#now[0] };
-  }
-
-  /** How near the flight under way has come to the circles of an object. @param {number} owner */
-  nearest(owner) {
-    const { state, length } = this.flight;
-    return this.machine.call("nearest", { numbers: this.block.length, block: this.block, state, length: Math.max(length, 0), owner }).result;
   }
 
   /** Let balls fly beside this one, each turned by a little; the least turn is `small`. @param {number} many @param {number} small in radians */

@@ -7,12 +7,12 @@ import { Recorder } from "./svg.js";
 /** @typedef {import("./svg.js").Pen} Pen */
 
 const MARGIN = { left: 62, right: 14, top: 24, bottom: 42, equal: false };
-/** The least that is written in a picture, in pixels, and what it is where the page is presented to a room. */
-const TEXT = 14, PRESENTED = 24;
+/** The least that is written in a picture, in pixels. */
+const TEXT = 14;
 export const FONT = `${TEXT}px system-ui, sans-serif`;
 
-/** How much larger everything in a picture is drawn. */
-export const enlarged = () => (document.body.classList.contains("presenting") ? PRESENTED / TEXT : 1);
+/** How much larger everything in a picture is drawn: before a room, where the style says what is the least. */
+export const enlarged = () => (document.body.classList.contains("presenting") ? parseFloat(getComputedStyle(document.body).fontSize) / TEXT : 1);
 
 /** Letters of a tick's number for which there is room; longer ones are told as what is left beside a common part. */
 const ROOM = 7;

@@ -11,7 +11,7 @@ export const RUNGS = [
   {
     table: "classic", name: "Pinball machine", sliders: ["*.V", "tilt"],
     headline: "Three bumpers kick the ball. Near a graze, a hair's breadth decides.",
-    text: "Hold Space to pull the plunger, let go to launch; ← and → are the flippers. With thumbs: the halves of the table.",
+    text: "Hold Space to pull the plunger, let go to launch; ← and → are the flippers; ↑, A and D nudge. With thumbs: the halves of the table.",
   },
   {
     table: "galton", name: "Galton board", sliders: ["*.r", "tilt"],

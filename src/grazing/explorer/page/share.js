@@ -8,7 +8,7 @@ import { command, python } from "./text.js";
 
 /** @typedef {import("./main.js").View} View */
 /** @typedef {import("./state.js").State} State */
-/** What the page lends: the view on screen, its state, whether it has a picture, and what puts the state into the address. @typedef {{view: () => View | undefined, state: () => State, drawn: () => boolean, address: () => void}} Page */
+/** What the page lends: the view on screen, further sheets above it, its state, whether it has a picture, and what puts the state into the address. @typedef {{view: () => View | undefined, more: () => import("./svg.js").Panel[], repaint: () => void, state: () => State, drawn: () => boolean, address: () => void}} Page */
 
 const said = () => /** @type {HTMLElement} */ (document.getElementById("said"));
 
@@ -39,13 +39,13 @@ export async function copy(page, kind) {
   }
 }
 
-/** The sheets of a view that are seen. @param {View} view */
-const panels = (view) => view.panels().filter(({ sheet }) => sheet.canvas.offsetParent);
+/** The sheets that are seen. @param {Page} page @param {View} view */
+const panels = (page, view) => [...page.more(), ...view.panels()].filter(({ sheet }) => sheet.canvas.offsetParent);
 
-/** The picture on screen as an SVG file. @param {View} view @param {State} state */
-function vectors(view, state) {
+/** The picture on screen as an SVG file. @param {Page} page @param {View} view @param {State} state */
+function vectors(page, view, state) {
   const about = `${view.summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
-  return svgOf(panels(view), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
+  return svgOf(panels(page, view), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
 }
 
 /** Save the picture on screen, all of its sheets. @param {Page} page @param {string} kind png or svg */
@@ -60,12 +60,12 @@ export function save(page, kind) {
     link.click();
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
-  if (kind === "svg") return keep(new Blob([vectors(view, state)], { type: "image/svg+xml" }));
+  if (kind === "svg") return keep(new Blob([vectors(page, view, state)], { type: "image/svg+xml" }));
   magnify(Number(/** @type {HTMLSelectElement} */ (document.getElementById("times")).value));
-  view.repaint();
-  const canvas = canvasOf(panels(view), theme().paper, resolution());
+  page.repaint();
+  const canvas = canvasOf(panels(page, view), theme().paper, resolution());
   magnify(1);
-  view.repaint();
+  page.repaint();
   if (canvas) canvas.toBlob(keep);
   else keep(null);
 }

@@ -43,12 +43,12 @@ export const DEFAULTS = {
   sigma: 0, r: 0.8, V: 0.4, trigger: 0, law: "active", phase: 0,
   vary: "offset", reach: pair(0.05, 0.16), window: /** @type {Pair | null} */ (null), coordinate: "u", reduced: true,
   x0: 0.05, web: 0,
-  u0: 0.03, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
+  u0: 0.012, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
   chart: "gap", second: "V", positions: pair(0, 0.5), velocities: pair(-0.8, 0.8), gaps: pair(0, 1), heights: pair(0, 0.8), chart_columns: 240, chart_rows: 180,
   theory: true, colour: true, twin: false, sweeps: false,
   columns: 800, bins: 600, starts: 16, transient: 500, keep: 500, flow_starts: 8, flow_transient: 120, flow_keep: 64, seed: 0,
   tour: 0, answer: 0,
-  note: "",
+  note: "", pinned: "",
 };
 
 /** @typedef {typeof DEFAULTS} State */
@@ -67,6 +67,10 @@ const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinat
 
 /** Characters of a link beyond which none is ours, and parts of one that are explained: what is shown is read by somebody. */
 const LONGEST_LINK = 10_000, EXPLAINED = 8;
+/** What a link writes so that nothing in it is taken for its own signs. */
+const QUOTED = ["note", "pinned"];
+/** Views whose diagram can be pinned, and what of a state is no setting. */
+const PINNABLE = ["gap", "oscillator"], PASSING = /** @type {const} */ (["pinned", "note", "tour", "answer", "ball", "twin", "sweeps"]);
 /** Characters of a note that a link may carry. */
 export const LONGEST_NOTE = 280;
 
@@ -154,6 +158,12 @@ function read(key, text, fields) {
     if (text.length > LONGEST_NOTE) throw new Error(`the note has ${text.length} characters, of ${LONGEST_NOTE} at most`);
     return text;
   }
+  if (key === "pinned") {
+    const { state, problems } = fromFragment(`version=${VERSION}&${text}`, fields);
+    if (problems.length) throw new Error(`of what is pinned ${problems.join("; ")}`);
+    if (!PINNABLE.includes(state.view)) throw new Error(`the view ${state.view} is pinned; allowed are ${PINNABLE.join(", ")}`);
+    return settingOf(state);
+  }
   const value = number(text);
   if (WHOLE[key]) {
     const [least, most] = WHOLE[key];
@@ -193,6 +203,7 @@ export function fromFragment(fragment, fields) {
   }
   given.delete("version");
   for (const [key, text] of given) {
+    if (!text && QUOTED.includes(key)) continue;
     if (!Object.hasOwn(DEFAULTS, key)) {
       problems.push(`${key} is no part of a link`);
       continue;
@@ -255,10 +266,20 @@ export function toFragment(state) {
   for (const [key, value] of Object.entries(state)) {
     if (key === "view" || JSON.stringify(value) === JSON.stringify(usual[key])) continue;
     const text = Array.isArray(value) ? value.join(":") : typeof value === "boolean" ? (value ? "yes" : "no") : value;
-    parts.push(`${key}=${key === "note" ? encodeURIComponent(String(text)) : text}`);
+    parts.push(`${key}=${QUOTED.includes(key) ? encodeURIComponent(String(text)) : text}`);
   }
   return `#${parts.join("&")}`;
 }
+
+/** The setting of a state, as `pinned` holds it. @param {State} state */
+export function settingOf(state) {
+  const own = structuredClone(state);
+  for (const key of PASSING) Object.assign(own, { [key]: DEFAULTS[key] });
+  return toFragment(own).replace(`#version=${VERSION}&`, "");
+}
+
+/** The state whose setting is pinned. @param {string} pinned @param {Fields} fields */
+export const kept = (pinned, fields) => fromFragment(`version=${VERSION}&${pinned}`, fields).state;
 
 /** A number with no more digits than a picture of this width needs. @param {number} value @param {number} width */
 export function tidy(value, width) {

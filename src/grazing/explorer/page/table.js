@@ -4,10 +4,12 @@ import { dark, theme } from "./colours.js";
 import { Edit, hasRoom } from "./edit.js";
 import { Exits } from "./exits.js";
 import { load } from "./load.js";
+import { missedBy } from "./near.js";
 import { Played } from "./played.js";
 import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
+import { stage } from "./stage.js";
 import { EXITS, TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
 import { addressOf } from "./where.js";
@@ -18,9 +20,11 @@ import { addressOf } from "./where.js";
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 /** Seconds to pull the plunger all the way, and of a frame at most. */
 const PULL = 1.2, FRAME = 0.05;
+/** How much faster a nudge makes the ball, as a share of how fast one may be thrown by hand. */
+const NUDGE = 0.1;
 /** Near balls, and the angle between two of them. */
 const MANY = 100, SMALL = 1e-7;
-/** Letters of the word that are shown; how near a miss is told, as a share of the bumper's radius; seconds for which. */
+/** Letters of the word that are shown; how near a miss is told, as a share of the radius of the disc, or else of the ball; seconds for which. */
 const WORD = 40, NEAR = 0.12, TOLD = 2.5;
 /** Columns of the curve of distances, in seconds of play. */
 const REMEMBERED = 12;
@@ -36,7 +40,7 @@ let machine;
 /** @type {Played} */
 let game;
 let rung = RUNGS[0], pulled = 0, pace = 1, paused = false, before = 0, told = 0, frame = 0, asked = 0;
-/** @type {{t: number, i: number, down: boolean}[] | null} what is replayed */
+/** @type {{t: number, act: (t: number) => void}[] | null} what is replayed */
 let replaying = null;
 /** @type {{t: number, spread: number}[]} */
 let parted = [];
@@ -186,8 +190,19 @@ function plunge(share) {
 
 /** @param {number} i @param {boolean} down */
 function press(i, down) {
-  if (!game?.alive || replaying || i >= game.flippers.length) return;
+  if (!game?.alive || replaying || i >= game.flippers.length || (down && game.tilted)) return;
   game.press(i, down);
+}
+
+/** Nudge the table: sideways and upwards, −1, 0 or 1. @param {number} across @param {number} up */
+function nudge(across, up) {
+  if (!game?.alive || replaying) return;
+  const size = NUDGE * game.table.from[2];
+  if (!game.nudge(across * size, up * size)) return say("A nudge moves a ball in the air; this one lies on something.");
+  drawing.shake(across, up);
+  if (!game.tilted) return;
+  for (const i of game.flippers.keys()) game.press(i, false);
+  say(game.flippers.length ? "TILT: nudged too often, the flippers are dead until the next ball." : "", true);
 }
 
 function split() {
@@ -197,8 +212,9 @@ function split() {
 }
 
 /** Do again what the player did. */
-function replay(start = game.start, presses = game.presses) {
-  const list = Object.entries(presses).flatMap(([name, times]) => times.map((t, j) => ({ t, i: game.flippers.indexOf(name), down: j % 2 === 0 })));
+function replay(start = game.start, presses = game.presses, nudges = game.nudges) {
+  const list = Object.entries(presses).flatMap(([name, times]) => times.map((t, j) => ({ t, act: () => game.press(game.flippers.indexOf(name), j % 2 === 0, t) })));
+  list.push(...nudges.map((each) => ({ t: each.t, act: () => game.leap(each) })));
   launch(start);
   replaying = list.sort((a, b) => a.t - b.t);
 }
@@ -228,7 +244,7 @@ function step(seconds) {
     const next = replaying.shift();
     if (!next) break;
     heard(game.advance(next.t));
-    game.press(next.i, next.down, next.t);
+    if (game.alive) next.act(next.t);
   }
   heard(game.advance(until));
   drawing.follow(game);
@@ -246,22 +262,21 @@ function heard(hits) {
   for (const hit of hits.slice(-3)) sound.hit(Math.abs(hit.before), fastest);
 }
 
-/** Tell of a bumper that has just been missed by little: there the next ball may go another way. */
+/** Tell of what has just been missed by little: there the next ball may go another way. */
 let missed = "";
 function nearMiss() {
-  const { table, things } = game;
-  for (const [j, letter] of letters) {
-    const one = things[j];
-    if (one.kind !== "disc" || game.hits.at(-1)?.owner === j) continue;
-    const off = game.nearest(j), key = `${game.flight.begin} ${j}`;
-    if (!(off >= 0 && off < NEAR * one.shape.radius) || key === missed) continue;
-    const [x, y, vx, vy] = game.place;
-    // only once it has passed: the distance grows again
-    if ((x - one.shape.x) * vx + (y - one.shape.y) * vy <= 0) continue;
-    missed = key;
-    const far = table.mm ? `${(off / table.mm).toPrecision(2)} mm` : off.toPrecision(2);
-    say(`Missed ${letter} by ${far}: here your future splits in two.`, true);
-  }
+  const { table, things, flight } = game;
+  const near = [...things.entries()].flatMap(([j, one]) => {
+    if (one.kind === "drain") return [];
+    const off = missedBy(game, j), close = off >= 0 && off < NEAR * (one.kind === "disc" ? one.shape.radius : table.rho);
+    return close ? [{ off, name: letters.get(j) ?? `the ${one.name.replaceAll("_", " ").replace(/\d+$/, "")}`, kick: kicks(one) || game.turns(one.name) }] : [];
+  });
+  // of several with one corner that which kicks: a touch of the others, if it is light, turns the ball by little
+  const [told] = near.sort((a, b) => Number(b.kick) - Number(a.kick) || a.off - b.off), key = `${flight.begin} ${told?.name}`;
+  if (!told || key === missed) return;
+  missed = key;
+  const far = table.mm ? `${(told.off / table.mm).toPrecision(2)} mm` : told.off.toPrecision(2);
+  say(`Missed ${told.name} by ${far}: ${told.kick ? "here your future splits in two" : "near balls touch it and part from yours"}.`, true);
 }
 
 function over() {
@@ -284,6 +299,12 @@ function draw() {
   $("pause").setAttribute("aria-pressed", String(paused));
   $("replay").disabled = !game.hits.length || game.changed;
   spread();
+}
+
+/** A large number in words that are read at a glance. @param {number} factor */
+function said(factor) {
+  const power = Math.floor(Math.log10(factor)), digit = (/** @type {number} */ x) => Number(x.toPrecision(2)).toLocaleString("en");
+  return power < 6 ? digit(factor) : power < 9 ? `${digit(factor / 1e6)} million` : power < 12 ? `${digit(factor / 1e9)} billion` : `${digit(factor / 1e12)} trillion`;
 }
 
 /** The live curve of distances: on a logarithmic scale a straight line, as long as they are small. */
@@ -310,7 +331,7 @@ function spread() {
   });
   const ends = [logs[0], logs[logs.length - 1]], rate = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]);
   const factor = 10 ** (ends[1][1] - ends[0][1]);
-  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${factor.toPrecision(2)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "100 balls, turned by 1e-7 radians from one to the next.";
+  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${said(factor)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
 }
 
 async function start() {
@@ -352,7 +373,7 @@ async function start() {
     problem(`The link could not be read: ${why(error)}. The machine is shown instead.`);
   }
   choose(given?.table ?? "classic", given?.changes);
-  if (given?.start) replay(given.start, given.presses);
+  if (given?.start) replay(given.start, given.presses, given.nudges);
   else if (!still.matches) {
     plunge(0.83);
     game.fan(60, SMALL);
@@ -362,12 +383,15 @@ async function start() {
 function listen() {
   /** @type {Record<string, number>} */
   const KEYS = { ArrowLeft: 0, z: 0, Z: 0, ArrowRight: 1, m: 1, M: 1 };
+  /** @type {Record<string, [number, number]>} */
+  const NUDGES = { ArrowUp: [0, 1], a: [-1, 0], A: [-1, 0], d: [1, 0], D: [1, 0] };
   const elsewhere = (/** @type {KeyboardEvent} */ event) => event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).tagName === "INPUT" || /** @type {HTMLElement} */ (event.target).id === "exits";
   addEventListener("keydown", (event) => {
     if (event.key === "Enter" && /** @type {HTMLElement} */ (event.target).id === "exits") return exits.chosen && exits.choose(...exits.chosen);
     if (elsewhere(event)) return;
     const onButton = ["BUTTON", "A"].includes(/** @type {HTMLElement} */ (event.target).tagName);
     if (event.key in KEYS) press(KEYS[event.key], true);
+    else if (event.key in NUDGES) event.repeat || nudge(...NUDGES[event.key]);
     else if (event.key === " " && !onButton) {
       if (!pulled && !event.repeat) pulled = performance.now();
       run();
@@ -408,6 +432,7 @@ function listen() {
     pulled = performance.now();
     run();
   });
+  $("nudge").addEventListener("click", () => nudge(0, 1));
   $("plunger").addEventListener("pointerup", release);
   $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(0.8)); // by key
   $("pause").addEventListener("click", pause);
@@ -428,8 +453,10 @@ function listen() {
       $("copied").textContent = text;
     }
   });
-  new ResizeObserver(() => (draw(), exits.draw())).observe(document.body);
-  dark.addEventListener("change", () => (draw(), exits.draw()));
+  const again = () => (draw(), exits.draw());
+  stage(again, "f");
+  new ResizeObserver(again).observe(document.body);
+  dark.addEventListener("change", again);
 }
 
 function release() {
@@ -447,5 +474,5 @@ function pause() {
 }
 
 /** For tests: what is shown. */
-Object.assign(window, { pinball: { game: () => game, edit: () => edit, drawing: () => drawing, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, split, letters: () => [...letters.values()], parted: () => parted } });
+Object.assign(window, { pinball: { game: () => game, edit: () => edit, drawing: () => drawing, exits: () => exits, step: (/** @type {number} */ s) => (step(s), draw()), pause, launch, plunge, press, nudge, split, letters: () => [...letters.values()], parted: () => parted } });
 start();

@@ -1,6 +1,7 @@
 // @ts-check
 /** A table as it is seen: what stands on it, flippers where they are, the ball with its way behind it, its ghosts. */
 import { theme } from "./colours.js";
+import { enlarged } from "./plot.js";
 
 /** @typedef {import("./played.js").Played} Played */
 /** @typedef {import("./played.js").Thing} Thing */
@@ -9,6 +10,8 @@ import { theme } from "./colours.js";
 export const EXITS = ["#0064a4", "#e69f00", "#00826a", "#e08fbf", "#5cbceb", "#b3b53c", "#5b2c83", "#f2a07b"];
 /** Seconds for which an object flashes, and for which the ball's way is seen. */
 const FLASH = 0.25, TRAIL = 0.6;
+/** Milliseconds for which a nudged table is seen to move, and by how many pixels. */
+const SHAKES = 220, SHAKEN = 14;
 /** Parts of a second between two points of that way. */
 const FINE = 1 / 120;
 
@@ -36,6 +39,9 @@ export class TableDraw {
     this.scale = scale;
     this.left = w / 2 - (scale * (x0 + x1)) / 2;
     this.bottom = h / 2 + (scale * (y0 + y1)) / 2;
+    const { at, across, up } = this.#shaken, part = (performance.now() - at) / SHAKES, moved = part < 1 ? SHAKEN * Math.sin(Math.PI * part) * (1 - part) : 0;
+    this.left -= moved * across;
+    this.bottom += moved * up;
     this.context.setTransform(ratio, 0, 0, ratio, 0, 0);
   }
 
@@ -46,6 +52,13 @@ export class TableDraw {
   y = (/** @type {number} */ y) => this.bottom - this.scale * y;
   atX = (/** @type {number} */ px) => (px - this.left) / this.scale;
   atY = (/** @type {number} */ py) => (this.bottom - py) / this.scale;
+
+  /** @type {{at: number, across: number, up: number}} */ #shaken = { at: -Infinity, across: 0, up: 0 };
+
+  /** The table is nudged: it is seen to move, unless the reader wants nothing to. @param {number} across @param {number} up */
+  shake(across, up) {
+    if (!matchMedia("(prefers-reduced-motion: reduce)").matches) this.#shaken = { at: performance.now(), across, up };
+  }
 
   /** Forget the way behind the ball. */
   clear() {
@@ -104,7 +117,7 @@ export class TableDraw {
       c.stroke();
       const letter = letters.get(j);
       if (letter) {
-        const { x, y } = centre(one), size = one.kind === "disc" ? Math.min(28, Math.max(14, this.scale * one.shape.radius)) : 14;
+        const { x, y } = centre(one), least = 14 * enlarged(), size = one.kind === "disc" ? Math.min(2 * least, Math.max(least, this.scale * one.shape.radius)) : least;
         c.fillStyle = ink;
         c.font = `600 ${size}px system-ui, sans-serif`;
         c.textAlign = "center";

@@ -4,10 +4,12 @@
 import { Played } from "./played.js";
 
 /** @typedef {import("./played.js").State} State */
-/** @typedef {{table: string, changes: Record<string, number>, start: State | null, presses: Record<string, number[]>}} Linked */
+/** @typedef {{table: string, changes: Record<string, number>, start: State | null, presses: Record<string, number[]>, nudges: import("./played.js").Nudge[]}} Linked */
 
 /** Of the form of a link. */
 const VERSION = 1;
+/** Seconds after the end of a game up to which Python follows it: times of parts are added up in another order. */
+const BEYOND = 1e-6;
 
 /** @param {string} table @param {Played} game */
 export function toLink(table, game) {
@@ -16,6 +18,7 @@ export function toLink(table, game) {
   if (game.hits.length && !game.changed) {
     given.set("start", game.start.join(","));
     for (const [name, times] of Object.entries(game.presses)) if (times.length) given.set(`${name}.pressed`, times.join(","));
+    if (game.nudges.length) given.set("nudges", game.nudges.flatMap(({ t, state }) => [t, ...state]).join(","));
   }
   return `#${given}`;
 }
@@ -35,7 +38,7 @@ export function fromLink(hash, tables) {
   if (!Object.hasOwn(tables, table)) throw new Error(`there is no table ${table.slice(0, 40)}`);
   const { params, objects } = tables[table];
   /** @type {Linked} */
-  const found = { table, changes: {}, start: null, presses: {} };
+  const found = { table, changes: {}, start: null, presses: {}, nudges: [] };
   for (const [name, text] of given) {
     const flipper = objects.find((one) => one.kind === "flipper" && name === `${one.name}.pressed`);
     if (params.includes(name)) {
@@ -47,6 +50,11 @@ export function fromLink(hash, tables) {
       const start = numbers(text, name);
       if (start.length !== 4) throw new Error("start needs four numbers: x, y and the velocity");
       found.start = /** @type {State} */ (start);
+    } else if (name === "nudges") {
+      const all = numbers(text, name);
+      if (all.length % 5) throw new Error("nudges need five numbers each: when, and x, y and the velocity after it");
+      found.nudges = Array.from({ length: all.length / 5 }, (_, i) => ({ t: all[5 * i], state: /** @type {State} */ (all.slice(5 * i + 1, 5 * i + 5)) }));
+      if (found.nudges.some(({ t }, i, list) => !(t > (list[i - 1]?.t ?? 0)))) throw new Error("the times of nudges do not rise");
     } else if (flipper) {
       found.presses[flipper.name] = numbers(text, name);
       if (found.presses[flipper.name].some((t, i, all) => i > 0 && !(t > all[i - 1]))) throw new Error(`the times of ${name} do not rise`);
@@ -63,6 +71,12 @@ export function python(table, game) {
   if (pressed.length) {
     lines.push("presses = gz.presses(", ...pressed.map(([name, times]) => `    ${name}=[${times.join(", ")}],`), ")", "T = gz.table(T.objects, T.rho, T.g, T.tilt, presses)");
   }
-  lines.push(`flown = gz.trajectory(T, (${game.start.join(", ")}), until=${Math.max(game.t, 1e-3)})`, "print(flown.impact_wall.values, flown.exit.item())", "gz.plot.table(T, flown)", "");
+  const end = Math.max(game.end ? game.t + BEYOND : game.t, 1e-3), tuple = (/** @type {State} */ state) => `(${state.join(", ")})`;
+  if (game.nudges.length) {
+    // from nudge to nudge: when each part begins, and the ball then
+    lines.push("legs = [", ...[{ t: 0, state: game.start }, ...game.nudges].map(({ t, state }) => `    (${t}, ${tuple(state)}),`), "]", `ends = [start for start, _ in legs[1:]] + [${end}]`);
+    lines.push("flown = [gz.trajectory(T, state, start, until) for (start, state), until in zip(legs, ends)]");
+    lines.push("print([name for part in flown for name in part.impact_wall.values], flown[-1].exit.item())", "gz.plot.table(T, flown[-1])", "");
+  } else lines.push(`flown = gz.trajectory(T, ${tuple(game.start)}, until=${end})`, "print(flown.impact_wall.values, flown.exit.item())", "gz.plot.table(T, flown)", "");
   return lines.join("\n");
 }

@@ -41,7 +41,7 @@ const called = (/** @type {State} */ state) => calledIn(state, state.vary);
 /** Whether a state is that of a figure of the paper, whatever its colours. @param {State} state @param {string} name */
 export function isFigure(state, name) {
   const [own, wanted] = /** @type {Record<string, unknown>[]} */ ([state, { ...DEFAULTS, ...PRESETS[name].state }]);
-  return Object.keys(DEFAULTS).every((key) => ["tour", "answer", "note", "theory", "colour", "x0", "web", "twin", "sweeps"].includes(key) || JSON.stringify(own[key]) === JSON.stringify(wanted[key]));
+  return Object.keys(DEFAULTS).every((key) => ["tour", "answer", "note", "theory", "colour", "x0", "web", "twin", "sweeps", "pinned"].includes(key) || JSON.stringify(own[key]) === JSON.stringify(wanted[key]));
 }
 
 /** The oscillator of a state as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied @param {boolean} section whether there is one */

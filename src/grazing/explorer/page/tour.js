@@ -5,7 +5,7 @@
  */
 
 const STANDARD = { alpha: 3, k: 1, omega: 2.2, t0: 0, r: 0.8, law: "active", V: 0.4 };
-const CHAOS = { ...STANDARD, view: "ball", omega: 6, V: 0, offset: -0.2 };
+const CHAOS = { ...STANDARD, view: "ball", omega: 6, V: 0, offset: -0.2, reach: /** @type {[number, number]} */ ([-0.3, 0]) };
 
 /** @typedef {Partial<import("./state.js").State>} Shown */
 /** @typedef {{ask: string, choices: string[], right: number, told: string, shown: Shown}} Question */
@@ -79,7 +79,7 @@ export const TOUR = [
   },
   {
     title: "Cobweb",
-    text: "Near the graze a map of one number tells the same story: x → λx + μ without an impact, for x < 0; x → μ − l − √x with one. Take λ = 0.5, l = 0.1, μ = 0.15, and step.",
+    text: "Near the graze a map of one number tells the same story: x → λx + μ without an impact, for x < 0; x → μ − l − √x with one. Take λ = 0.5, l = 0.1, μ = 0.15, and step.",
     state: { view: "gap", lam: 0.5, l: 0.1, span: [-0.05, 0.35], mu: 0.15, x0: 0.2, web: 4 },
     question: {
       ask: "Each step multiplies a distance by the slope where it is made. Left of 0 that is λ = 0.5. And just right of 0?",
@@ -97,8 +97,8 @@ export const TOUR = [
       ask: "Open the gap to l = 0.1. What do the windows do?",
       choices: ["They shrink, and chaos grows", "They grow, and overlap"],
       right: 1,
-      told: "From l = 0.0586 on they overlap: the dashed edge μ_PD passes the solid edge μ_BC of its neighbour. So near a graze a bumper's kick makes periodic orbits coexist where a passive wall leaves room for chaos.",
-      shown: { l: 0.1 },
+      told: "Above, the gap closed; below, open. From l = 0.0586 on the windows overlap: the dashed edge μ_PD passes the solid edge μ_BC of its neighbour. So near a graze a bumper's kick makes periodic orbits coexist where a passive wall leaves room for chaos.",
+      shown: { l: 0.1, pinned: "view=gap&lam=0.5&l=0&span=-0.05:0.35&mu=0.1" },
     },
   },
   {
@@ -116,7 +116,7 @@ export const TOUR = [
   {
     title: "Chatter",
     text: "No kick, and a steady push towards the wall: d = −0.5. Each hit returns 70 % of the speed.",
-    state: { ...STANDARD, view: "ball", V: 0, r: 0.7, offset: -0.5 },
+    state: { ...STANDARD, view: "ball", V: 0, r: 0.7, offset: -0.5, reach: [-0.6, 0.1] },
     question: {
       ask: "How many hits does the ball make before it lies still on the wall?",
       choices: ["About five", "About eighty", "Infinitely many, in a finite time"],

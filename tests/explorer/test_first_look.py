@@ -1,0 +1,98 @@
+"""What one sees first, and is shown by the tour: nothing empty, nothing out of sight, every sign set as it is read."""
+
+import pytest
+
+from tests.explorer.browser import Shown
+
+OUT_OF_SIGHT = """async () => {
+  const { TOUR } = await import("./tour.js"), { DEFAULTS } = await import("./state.js"), found = [];
+  TOUR.forEach((step, i) => {
+    const asked = step.question ? [step.state, { ...step.state, ...step.question.shown }] : [step.state];
+    for (const own of asked) {
+      const state = { ...DEFAULTS, ...own }, gap = state.view === "gap";
+      const [low, high] = gap ? state.span : state.reach, value = gap ? state.mu : state[state.vary];
+      if (state.view !== "chart" && !(value >= low && value <= high)) found.push(`${i + 1}: ${value}`);
+    }
+  });
+  return found;
+}"""
+
+
+def test_each_step_of_the_tour_has_its_parameter_in_the_diagram(shown, address):
+    shown.open(address)
+    assert shown.page.evaluate(OUT_OF_SIGHT) == []
+
+
+@pytest.mark.parametrize(
+    ("link", "field", "value", "axis"),
+    [
+        ("view=ball&columns=40", "offset", 0.3, "reach"),
+        ("view=oscillator&columns=24&bins=20&reduced=no", "offset", -0.2, "reach"),
+        ("view=gap&columns=40", "mu", 0.9, "span"),
+    ],
+)
+def test_a_diagram_goes_along_with_its_parameter(shown, address, link, field, value, axis):
+    shown.open(f"{address}#version=1&{link}")
+    low, high = shown.page.evaluate(f"() => explorer.state().{axis}")
+    shown.page.fill(f"input[type=number][name={field}]", str(value))
+    shown.page.keyboard.press("Enter")
+    shown.until(f"() => explorer.state().{field} === {value}")
+    ends = shown.page.evaluate(f"() => explorer.state().{axis}")
+    assert ends[0] < value < ends[1] and abs((ends[1] - ends[0]) - (high - low)) < 1e-6
+    shown.settle()
+    view = shown.page.evaluate("() => explorer.state().view")
+    x0, x1 = shown.page.evaluate(f"() => {{ const a = explorer.views.{view}.diagram.axes; return [a.x0, a.x1]; }}")
+    assert [x0, x1] == ends  # and the picture with it
+    assert shown.problem() == ""
+
+
+def test_one_period_opens_on_a_hit(shown, address):
+    shown.open(address)
+    shown.page.click("[data-view=strobe]")
+    shown.until("() => document.getElementById('summary').textContent.includes('Zero-time map at')")
+
+
+def test_signs_are_set_below(shown, address):
+    shown.open(f"{address}#version=1&view=gap&columns=40")
+    assert [each.text_content() for each in shown.page.query_selector_all("#hint sub")] == ["PD", "BC"]
+    shown.open(f"{address}#version=1&view=gap&tour=8&answer=2&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.1&columns=40")
+    assert "_" not in shown.page.inner_text("#told") and shown.page.locator("#told sub").count() == 2
+
+
+def test_the_answer_about_the_gap_shows_both(shown, address):
+    shown.open(f"{address}#version=1&view=gap&tour=8&lam=0.5&l=0&span=-0.05:0.35&mu=0.1&columns=40")
+    shown.page.locator("#choices button").nth(1).click()
+    shown.settle()
+    shown.until("() => document.getElementById('pinned').getAttribute('aria-label').includes('pinned: l = 0,')")
+    assert shown.page.is_visible("#pinned")
+    shown.page.click("#next")
+    shown.until("() => explorer.state().tour === 9 && explorer.state().pinned === ''")
+
+
+@pytest.mark.parametrize("page", ["index.html", "table.html"])
+def test_on_a_phone_no_place_is_out_of_sight(browser, address, page):
+    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
+    shown = Shown(context.new_page())
+    shown.page.goto(f"{address.removesuffix('index.html')}{page}")
+    shown.until("() => document.querySelectorAll('nav > *').length > 4")
+    ends = shown.page.evaluate(
+        "() => [...document.querySelectorAll('nav > *')].map(e => e.getBoundingClientRect().right)"
+    )
+    assert max(ends) <= 390
+    tops = shown.page.evaluate(
+        "() => [...document.querySelectorAll('header > h1, .tools > *')].map(e => e.getBoundingClientRect().bottom)"
+    )
+    context.close()
+    assert max(tops) < 60 and shown.errors == []  # one line
+
+
+def test_growth_is_told_in_words(shown, address):
+    shown.page.emulate_media(reduced_motion="reduce")
+    shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.until("() => window.pinball && pinball.game() && pinball.exits()")
+    shown.page.evaluate("() => { pinball.plunge(0.7); pinball.pause(); pinball.split(); }")
+    for _ in range(40):
+        shown.page.evaluate("() => { for (let i = 0; i < 5; i++) pinball.step(1 / 60); }")
+        if "million times" in shown.page.inner_text("#parted"):
+            break
+    assert "e+" not in shown.page.inner_text("#parted") and "million times" in shown.page.inner_text("#parted")
