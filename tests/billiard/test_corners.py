@@ -105,3 +105,18 @@ def test_in_a_narrow_corner_it_comes_to_rest():
         flights = flights_of(table, (*middle, 0.0, 0.0), 0.0, 60.0)
         assert int(flights[-1, FLAGS]) & (ESCAPED | NO_IMPACT) == NO_IMPACT and flights[-1, PATH] >= 0.0
         assert hypot(*flights[-1, NEXT : NEXT + 2]) < 1e-9
+
+
+def test_shot_exactly_into_a_corner_it_does_not_pass_between_both_faces():
+    """Beyond the ends of both by rounding, in exact arithmetic, it left certified."""
+    doubtful = 0
+    for seed in range(12):
+        corners = triangle(np.random.default_rng(seed))
+        a, b, c = corners
+        table = gz.table(walls([(a, b), (c, b), (c, a)], gz.newton(0.5)), tilt=1.0)
+        start, half = corners.mean(axis=0), np.array([0.0, 0.5 * table.gravity])
+        for corner in corners:
+            flights = flights_of(table, (*start.tolist(), *(corner - start + half).tolist()), 0.0, 2.0)
+            assert not int(flights[-1, FLAGS]) & ESCAPED, seed
+            doubtful += any(int(flags) & AMBIGUOUS for flags in flights[:, FLAGS])
+    assert doubtful > 3

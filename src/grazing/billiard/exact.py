@@ -18,7 +18,20 @@ from numpy.typing import NDArray
 
 from grazing.billiard.faces import beside_face, body_of, closing, face_corner, slack_of
 from grazing.billiard.march import beside_circle, side_corner
-from grazing.billiard.roots import SHARE, Gap, Root, Undecided, exact, inside, joined, made, precision, roots_of, same
+from grazing.billiard.roots import (
+    SHARE,
+    Gap,
+    Root,
+    Undecided,
+    at,
+    exact,
+    inside,
+    joined,
+    made,
+    precision,
+    roots_of,
+    same,
+)
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,
@@ -157,11 +170,20 @@ def exact_contact(
     raise Undecided
 
 
+def crack(one: Root, other: Root) -> bool:
+    """Say whether a ball comes down to two faces where both end, and beyond both ends by rounding only."""
+    gap, slack = other.gap, exact(SHARE * other.gap.size)
+    assert gap.h is not None
+    ends = [at(end, root.t) + exact(SHARE * root.gap.size) > 0 for root in (one, other) for end in root.gap.within]
+    return all(ends) and bool(abs(at(gap.h, one.t)) < slack)
+
+
 def _first(
     gaps: list[Gap], turning: Callable[[float, bool], Iterator[Root]], last: bool
 ) -> tuple[int, float, int]:  # fmt: skip
     hits: list[Root] = []
     touches: list[Root] = []
+    missed: list[Root] = []
     flags = OK
     for gap in gaps:
         for root in roots_of(gap):
@@ -172,7 +194,14 @@ def _first(
                 (touches if root.touch else hits).append(root)
                 if not root.touch:
                     break
+            elif not root.touch and len(gap.within) == 2:
+                missed.append(root)
         hits += joined(gap)
+    through = [one for one in missed if any(one.gap.surface // 2 != other.gap.surface // 2 and crack(one, other)
+               for other in missed)]  # fmt: skip
+    if through:  # that it misses both ends by rounding is no way between them
+        hits += through
+        flags |= AMBIGUOUS
     end = min((nextafter(float(one.t.upper()), inf) for one in hits), default=inf)
     for root in turning(end, last):
         (touches if root.touch else hits).append(root)
