@@ -31,10 +31,33 @@ orbits = gz.periodic_orbits(P, range(1, 5))
 gz.continuation(P, orbits[0], "d", (0.0, 0.16))
 gz.trajectory(m, (0.1, 0.0))
 gz.impact_map(m).orbit((0.0, 0.5), 50)
+"""
+TABLES = """
+import grazing as gz
+
+classic = gz.read_table("classic")
+gz.trajectory(classic, (5.275, 0.7, 0.0, 17.0), until=5.0)
+gz.launches(classic, speed=[14.0, 15.0])
+launch = gz.launch_map(classic)
+P = gz.collision_map(gz.table([each for each in classic.objects if each.kind in ("disc", "segment")], rho=0.1))
+for each in P, gz.collision_map(classic):
+    each.orbit([0.5 * (low + high) for low, high in each.box], 5)
+gz.orbit_diagram(P, "g", [1.0, 1.1], starts=2, transient=5)
+gz.lyapunov(P, "g", [1.0, 1.1], transient=5)
+gz.basins(launch, {"angle": [1.5, 1.6], "speed": [14.0, 15.0]}, transient=5)
+gz.orbit_diagram(launch, "g", [1.0, 1.1], starts=2, transient=5)
+"""
+WALLS = """
+import grazing as gz
+
 walls = gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.3, gz.newton(0.7))
-two = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=walls)
-gz.trajectory(two, (0.1, 0.0))
-gz.orbit_diagram(gz.stroboscopic_map(two), "offset", [0.0, 0.1], starts=2, transient=10)
+for cos in (1.0,), (1.0, 0.2):
+    m = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7, cos=cos), walls=walls)
+    gz.trajectory(m, (0.1, 0.0))
+    for P, start in (gz.stroboscopic_map(m), (0.1, 0.0)), (gz.impact_map(m), (0.0, 0.5)):
+        P.orbit(start, 20)
+        P.jacobian(start)
+        gz.orbit_diagram(P, "offset", [0.0, 0.1], starts=2, transient=10)
 """
 OWN = """
 import numpy as np
@@ -99,7 +122,9 @@ def compiled_by(text, folder):
     return json.loads(done.stdout.splitlines()[-1])
 
 
-@pytest.mark.parametrize("text", [TEN_LINES, STUDIES], ids=["the ten lines", "the studies"])
+@pytest.mark.parametrize(
+    "text", [TEN_LINES, STUDIES, WALLS, TABLES], ids=["the ten lines", "the studies", "walls", "tables"]
+)
 def test_the_first_calls_wait_for_no_compiler(tmp_path, text):
     assert compiled_by(text, tmp_path) == [] and not list(tmp_path.iterdir())
 

@@ -181,6 +181,8 @@ def real(value: Any, name: str, allowed: str) -> float:
 
 def whole(value: Any, name: str, low: int, high: float = LARGEST) -> int:
     """Return an int from low to high, or raise InputError."""
+    if type(value) is int and low <= value <= high:
+        return value
     try:
         if not _is_number(value) or int(value) != value:
             raise TypeError

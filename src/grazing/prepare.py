@@ -36,7 +36,10 @@ if TYPE_CHECKING:
 #: Who may read prepared kernels: everybody, as the sources.
 RIGHTS = 0o644
 #: The parts of the package that kernels come from.
-SOURCES = ("kernel", "systems", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py", "outcome.py")
+SOURCES = (
+    "kernel", "systems", "billiard", "oscillator", "maps", "orbits", "studies", "prepare.py", "parameter.py",
+    "outcome.py",
+)  # fmt: skip
 
 
 def one_wave() -> None:
@@ -47,7 +50,7 @@ def one_wave() -> None:
     import grazing as gz
 
     _studies(gz.pinball(alpha=3, k=1, omega=2.2, d=0.12, r=0.8, V=0.4), "d")
-    _walls()
+    _walls(1.0)
 
 
 def two_waves() -> None:
@@ -56,27 +59,75 @@ def two_waves() -> None:
 
     forcing = gz.Forcing(omega=2.2, offset=0.12, cos=(1.0, 0.1))
     _studies(gz.Oscillator(alpha=3, k=1, forcing=forcing, reset=gz.newton(0.8)), "offset")
+    _walls(1.0, 0.1)
 
 
-def _walls() -> None:
-    """Run what is done between two walls, and over one that moves, with a force of one harmonic."""
+def _walls(*cos: float) -> None:
+    """Run what is done between two walls, and over one that moves, with a force of these harmonics."""
     import numpy as np
 
     import grazing as gz
 
     pair = gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.3, gz.newton(0.7))
-    m: Oscillator = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=pair)  # type: ignore[call-arg]
+    forcing = gz.Forcing(omega=1.7, cos=cos)
+    m: Oscillator = gz.Oscillator(0.2, 1.1, forcing, walls=pair)  # type: ignore[call-arg]
     gz.trajectory(m, (0.1, 0.0))
     P = gz.stroboscopic_map(m)
+    values = np.linspace(0.0, 0.1, 3)
     P.orbit((0.1, 0.0), 60)
+    P.jacobian((0.1, 0.0))
     for arithmetic in ("fast", "strict"):
-        gz.orbit_diagram(P, "offset", np.linspace(0.0, 0.1, 3), starts=4, transient=10, arithmetic=arithmetic)
+        gz.orbit_diagram(P, "offset", values, starts=4, transient=10, arithmetic=arithmetic)
     gz.lyapunov(P, transient=20)
+    gz.coexistence(P, "offset", values[:2], starts=20)
     orbits = gz.periodic_orbits(P, 1, starts=20)
     gz.continuation(P, orbits[0], "offset", (0.0, 0.01))
+    Q = gz.impact_map(m)
+    Q.orbit((0.0, 0.5), 20)
+    Q.jacobian((0.0, 0.5))
+    gz.orbit_diagram(Q, "offset", values, starts=4, transient=10)
     table = gz.wall(-0.3, gz.newton(0.8), motion=gz.Forcing(omega=1.7, cos=(0.1,)))
-    m = gz.Oscillator(0.2, 1.1, gz.Forcing(omega=1.7), walls=[table])  # type: ignore[call-arg]
-    gz.orbit_diagram(gz.stroboscopic_map(m), "offset", np.linspace(0.0, 0.1, 3), starts=4, transient=10)
+    m = gz.Oscillator(0.2, 1.1, forcing, walls=[table])  # type: ignore[call-arg]
+    gz.orbit_diagram(gz.stroboscopic_map(m), "offset", values, starts=4, transient=10)
+
+
+def tables() -> None:
+    """Compile for pinball tables: launches, and maps with flippers and without, and with one or two gates."""
+    import numpy as np
+
+    import grazing as gz
+
+    corners = ((0.0, 0.0), (6.0, 0.0), (6.0, 10.0), (0.0, 10.0))
+    elastic = gz.newton(1.0)  # a level table is chaotic then, so that exponents are measured
+    laws = elastic, elastic, elastic, gz.triggered(r=1.0, V=0.0, trigger=0.1)
+    floor, right, top, left = (
+        gz.segment(name, corners[i], corners[(i + 1) % 4], laws[i])
+        for i, name in enumerate(("floor", "right", "top", "left"))
+    )
+    things = gz.disc("a", (2, 5), 0.5, gz.active(r=1.0, V=0.0)), gz.arc("b", (3, 6), 2.5, 0.3, 2.6, elastic)
+    level = gz.table([*things, floor, right, top, left], rho=0.1)
+    sloped = gz.table([*things, right, top, left, gz.drain("out", (0, 0), (6, 0))], rho=0.1, tilt=0.1)
+    gz.trajectory(sloped, (3.2, 8.0, 0.0, 0.0), until=60.0)
+    gz.trajectory(level, (4.0, 5.6, -1.0, 0.0), until=3.0)  # along a disc: decided exactly
+    gz.trajectory(gz.table([floor], rho=0.1, tilt=0.1), (1.0, 0.1, 1.0, 0.0), until=9.0)  # slides
+    gz.launches(sloped, (3.2, 8.0), [1.0, 2.0], [1.0, 2.0])
+    _each(gz.launch_map(sloped, (3.2, 8.0)), "g", np.array([1.0, 1.1]), "tilt")
+    P = gz.collision_map(level)
+    _each(P, "a.V", np.array([0.0, 0.1]), "rho")
+    assert P.origin.settle is not None
+    P.origin.settle(list(P.params.values()), (0.5, 0.0, 1.0))
+    L = gz.flipper("L", (1.5, 1.5), 1.5, 0.2, -0.5, 0.5, gz.newton(0.8), up=8.0, down=4.0)
+    R = gz.flipper("R", (4.5, 1.5), 1.5, 0.2, 3.64, 2.64, gz.newton(0.8), up=8.0, down=4.0)
+    gates = {"L": ((1.5, 3.0), (3.0, 3.0)), "R": ((3.0, 3.0), (4.5, 3.0))}
+
+    def falls(state: Any, p: Any) -> bool:
+        return state[3] < -0.5  # type: ignore[no-any-return]
+
+    one, two = gz.strategy(falls, {"L": gates["L"]}, hold=0.2), gz.strategy(falls, gates, hold=0.2)
+    for player in gz.flips(1.0, 0.2), one, two:
+        table = gz.table([*things, floor, right, top, left, L, R], rho=0.1, tilt=0.3, player=player)
+        _each(gz.collision_map(table), "g", np.array([1.0, 1.1]), "rho")
+    _each(gz.launch_map(table, (3.2, 8.0), hits=10), "g", np.array([1.0, 1.1]), "rho")
 
 
 def formulas() -> None:
@@ -132,6 +183,22 @@ def systems() -> None:
             gz.orbit_diagram(P, "r", np.linspace(0.1, 0.8, 4), transient=10, arithmetic=arithmetic)
 
 
+def _each(P: Map, name: str, values: Floats, other: str) -> None:
+    """Run each study of a map of a table once, in two of its parameters."""
+    import numpy as np
+
+    import grazing as gz
+
+    start = [0.5 * (low + high) for low, high in P.box]
+    P.orbit(start, 20)
+    P.jacobian(start)
+    for arithmetic in ("fast", "strict"):
+        gz.orbit_diagram(P, name, values, starts=4, transient=10, arithmetic=arithmetic)
+    gz.chart(P, {name: values, other: [0.1, 0.11]}, transient=20)
+    gz.lyapunov(P, name, values, transient=5)
+    gz.basins(P, {x: np.linspace(*P.box[i], 3) for i, x in enumerate(P.coordinates[:2])}, transient=20)
+
+
 def _formula(P: Map, name: str, values: Floats) -> None:
     """Run each study of a map that is a formula once."""
     import grazing as gz
@@ -181,6 +248,7 @@ PARTS: dict[str, Callable[[], None]] = {
     "two waves": two_waves,
     "formulas": formulas,
     "systems": systems,
+    "tables": tables,
 }
 
 
@@ -196,7 +264,7 @@ def prepared(family: str = "") -> int:
     if known.exists() and known.read_text(encoding="ascii") == made_from:
         return len(list(folder().glob("*.nbc")))
     folder().mkdir(exist_ok=True)
-    print("grazing: compiling kernels (once; about a minute)", file=sys.stderr, flush=True)
+    print("grazing: compiling kernels (once; two or three minutes)", file=sys.stderr, flush=True)
     with tempfile.TemporaryDirectory(prefix="grazing-") as scratch:
         environment = {**os.environ, "GRAZING_CACHE": scratch, "MPLBACKEND": "Agg"}
         if family:

@@ -86,6 +86,18 @@ def test_on_a_phone_no_place_is_out_of_sight(browser, address, page):
     assert max(tops) < 60 and shown.errors == []  # one line
 
 
+@pytest.mark.parametrize("size", [(1280, 800), (1920, 1080)])
+def test_a_game_is_copied_without_scrolling(browser, address, size):
+    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce")
+    shown = Shown(context.new_page())
+    shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.until("() => window.pinball && pinball.game()")
+    box = shown.page.locator("[data-copy=link]").bounding_box()
+    table = shown.page.locator("#table").bounding_box()
+    context.close()
+    assert box["y"] + box["height"] <= size[1] and table["height"] > 0.7 * size[1] and shown.errors == []
+
+
 def test_growth_is_told_in_words(shown, address):
     shown.page.emulate_media(reduced_motion="reduce")
     shown.page.goto(f"{address.removesuffix('index.html')}table.html")

@@ -3,13 +3,15 @@
 import pytest
 
 GAP = "version=1&view=gap&lam=0.5&l=0&span=-0.05:0.35&columns=80&bins=60"
+#: Whether the pinned picture is on screen; what a click changes is seen in the next frame.
+SEEN = "document.getElementById('pinned').offsetParent"
 
 
 def test_a_picture_is_kept_above_another_on_one_scale(shown, address):
     shown.open(f"{address}#{GAP}&theory=no")
     shown.settle()
     shown.page.click("#pin")
-    assert shown.page.is_visible("#pinned")
+    shown.until(f"() => {SEEN}")
     shown.settle()
     kept = shown.page.evaluate("() => document.getElementById('pinned').toDataURL()")
     shown.page.fill("input[type=number][name=l]", "0.3")
@@ -29,7 +31,7 @@ def test_a_picture_is_kept_above_another_on_one_scale(shown, address):
     axes = shown.page.evaluate("() => { const a = explorer.views.gap.diagram.axes; return [a.x0, a.x1]; }")
     assert axes == [0.1, 0.2]
     shown.page.click("#pin")
-    assert not shown.page.is_visible("#pinned")
+    shown.until(f"() => !({SEEN})")
     assert shown.page.get_attribute("#pin", "aria-pressed") == "false"
 
 
@@ -39,13 +41,12 @@ def test_what_cannot_be_compared_is_not_shown(shown, address):
     shown.page.click("#pin")
     shown.page.click("[data-view=oscillator]")
     shown.settle()
-    assert not shown.page.is_visible("#pinned") and shown.page.is_visible("#pin")
+    shown.until(f"() => !({SEEN})")
+    assert shown.page.is_visible("#pin")
     shown.page.click("[data-view=ball]")
-    shown.until("() => explorer.state().view === 'ball'")
-    assert not shown.page.is_visible("#pin")
+    shown.until("() => explorer.state().view === 'ball' && document.getElementById('pin').hidden")
     shown.page.click("[data-view=gap]")
-    shown.settle()
-    assert shown.page.is_visible("#pinned")
+    shown.until(f"() => {SEEN}")
     assert shown.problem() == ""
 
 

@@ -1,6 +1,7 @@
 """How much work the page does for a picture, counted: seconds are measured by `python -m benchmarks explorer`."""
 
 import numpy as np
+import pytest
 
 from grazing.explorer.oscillator import FIELDS as OSCILLATOR
 
@@ -139,3 +140,59 @@ def test_the_ball_moves_by_the_time_of_every_frame(shown, address):
     np.testing.assert_allclose(np.diff(now), steps, atol=1e-9)
     assert calls[1:].max() <= 2  # the flight further ahead, now and then, and the places to draw
     assert calls[1:].sum() < 1.2 * 90
+
+
+#: Ten minutes of play in frames of a tenth of a second, a minute at a call: the page's clock is turned by hand.
+BALL = """
+() => {
+  const { ball } = explorer.views;
+  let at = globalThis.at ?? 0;
+  globalThis.requestAnimationFrame = (then) => { globalThis.frame = then; return 1; };
+  ball.frame = 0;
+  ball.play(true);
+  for (let i = 0; i < 600; i++) { const then = globalThis.frame; globalThis.frame = null; then?.((at += 100)); }
+  globalThis.at = at;
+}
+"""
+TABLE = """
+() => {
+  for (let i = 0; i < 3600; i++) {
+    if (!pinball.game().alive) { pinball.plunge(0.5 + 1e-4 * (i % 4000)); pinball.pause(); pinball.split(); }
+    if (i % 7 === 0) pinball.press(i % 2, (i / 7) % 4 < 2);
+    if (i % 500 === 0) pinball.nudge(0, 1);
+    pinball.step(1 / 60);
+  }
+}
+"""
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("page", "ready", "minute", "memory"),
+    [
+        ("index.html#version=1&view=ball&offset=0.1225&twin=yes", "explorer.views.ball.now > 0.1", BALL,
+         "explorer.views.ball.machine"),
+        ("index.html#version=1&view=ball&omega=6&V=0&offset=-0.2&twin=yes", "explorer.views.ball.now > 0.1", BALL,
+         "explorer.views.ball.machine"),
+        ("table.html", "pinball.exits()?.side === 320", TABLE, "pinball.game().machine"),
+    ],
+    ids=["ball", "chaos", "table"],
+)  # fmt: skip
+def test_memory_is_steady_over_ten_minutes(shown, address, page, ready, minute, memory):
+    shown.page.goto(f"{address.removesuffix('index.html')}{page}")
+    shown.until(f"() => globalThis.{ready.split('.')[0].split('(')[0]} && {ready}")
+    session = shown.page.context.new_cdp_session(shown.page)
+
+    def used():
+        session.send("HeapProfiler.collectGarbage")
+        kernels = shown.page.evaluate(f"() => {memory}.exports.memory.buffer.byteLength")
+        return session.send("Runtime.getHeapUsage")["usedSize"], kernels
+
+    sizes = []
+    for _ in range(10):
+        shown.page.evaluate(minute)
+        sizes.append(used())
+    print(sizes)
+    heap, kernels = np.array(sizes).T
+    assert kernels[-1] == kernels[1]
+    assert max(heap[5:]) < max(heap[1:5]) + 200_000, sizes

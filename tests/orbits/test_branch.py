@@ -195,6 +195,20 @@ def test_a_smooth_map_of_ones_own():
     assert second.value == pytest.approx(((1.0 - b) ** 2 * 4.0 + (1.0 + b) ** 2) / 4.0, abs=1e-9)
 
 
+def odd(state, p):
+    x, y = state
+    return p.a * x - x**3 + 0.1 * y, 0.3 * y + 0.2 * np.sin(x)
+
+
+@pytest.mark.parametrize("bounds", [(0.1, 1.31), (0.18, 1.25), (0.26, 1.4)])
+def test_a_branch_point_where_the_equations_are_singular_but_for_rounding(bounds):
+    """Newton's method took steps of 1e120 there, and nothing was found."""
+    P = gz.Map(odd, {"a": 0.5}, ("x", "y"), ((-1.0, 1.0),) * 2)
+    (orbit,) = gz.periodic_orbits(P, 1, starts=20)
+    (one,) = gz.continuation(P, orbit, "a", bounds).special
+    assert one.type == "bp" and one.converged and one.value == pytest.approx(1.0 - 0.02 / 0.7, abs=1e-14)
+
+
 def test_a_pitchfork_is_a_branch_point():
     def cubic(state, p):
         (x,) = state

@@ -28,10 +28,12 @@ def run():
 
 
 @pytest.fixture(scope="module")
-def whole(tmp_path_factory):
+def whole(tmp_path_factory, run):
     place = tmp_path_factory.mktemp("paper")
     told = []
-    return place, report(place, size="small", progress=lambda *step: told.append(step)), told
+    with pytest.MonkeyPatch.context() as patch:  # what other tests look at is computed here, once
+        patch.setattr("grazing.paper.run.Run", lambda size: run)
+        return place, report(place, size="small", progress=lambda *step: told.append(step)), told
 
 
 def test_all_files_are_there(whole):

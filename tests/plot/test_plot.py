@@ -284,6 +284,18 @@ def test_other_words_are_not_taken_for_what_has_no_period_or_another_word():
         assert np.linalg.norm(lab(OTHERS) - lab(other)) > 12.0, other
 
 
+@pytest.mark.parametrize("where", ["axes", "figure"])
+def test_a_dark_ground_is_warned_of(where):
+    """Period 1 was drawn black on black, and so was the legend."""
+    ax = plot.figure().add_subplot()
+    (ax if where == "axes" else ax.figure).set_facecolor("black")
+    with pytest.warns(UserWarning, match="the axes are dark"):
+        plot.orbit_diagram(diagram(), ax=ax)
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        plot.orbit_diagram(diagram(), ax=plot.figure().add_subplot(facecolor="#eeeeee"))
+
+
 def test_no_global_setting_changes():
     before = dict(matplotlib.rcParams)
     plot.orbit_diagram(diagram())

@@ -338,6 +338,27 @@ def test_a_sweep_has_a_direction(sweep):
         orbit_diagram(GAP, "mu", [0.1], sweep=sweep)
 
 
+def bent(state, p):
+    """Two slopes and a parabola, in units of scale."""
+    x = state[0] / p.scale
+    return (p.scale * (p.move + (p.left if x < 0.0 else p.right) * x - p.c * x * x),)
+
+
+def test_orbits_of_own_maps_that_grow_without_bound_have_diverged():
+    """Numbers as large as 1e200 were aperiodic, with the exponent of chaos, until they overflowed."""
+    P = gz.Map(bent, {"left": 0.5, "right": 0.5, "c": 0.0, "move": 0.3, "scale": 1.0})
+    for slopes in ({"left": -0.8, "right": -2.7}, {"left": 1.05, "right": 1.05, "move": -1.2}):
+        found = gz.orbit_diagram(P.replace(**slopes), "scale", [0.5, 1.0], starts=3, transient=1000)
+        assert (found.outcome.values == gz.Outcome.diverged).all() and np.isnan(found.x.values).all()
+    for bounded in (
+        {"left": 3.8, "right": 3.8, "c": 3.8, "move": 0.0, "scale": 1e6},  # chaos far from the box
+        {"left": 0.99, "right": 0.99, "move": 1.0, "scale": 1e6},  # on the way to 1e8
+        {"left": 1.0, "right": 1.0, "move": 1e-3, "scale": 1e8},  # evenly on
+    ):
+        found = gz.orbit_diagram(P.replace(**bounded), "c", [bounded.get("c", 0.0)], starts=3, transient=100)
+        assert (found.outcome.values == gz.Outcome.ok).all()
+
+
 def test_orbits_that_grow_without_bound_have_diverged():
     def gain(v, p):
         return -p.r * v * (1.0 + p.c * v * v / (1.0 + v * v))

@@ -17,9 +17,10 @@ if TYPE_CHECKING:
 #: Steps of a piece, over all its orbits, each well under 0.2 s: of a map that is a formula, of one whose orbits fly as
 #: blocks, and of one that follows flight after flight.
 FORMULA, BLOCK, FLIGHT = 6_000_000, 200_000, 40_000
-#: Sizes of the box of an oscillator's map beyond which an orbit that still grows has diverged, and the fewest points
-#: that show that it grows.
+#: Sizes of the box beyond which an orbit that still grows has diverged, and the fewest points that show that it grows.
 FAR_AWAY, LEAST = 1e4, 6
+#: How much farther all of the last third of an orbit is than the first where the box says nothing of where orbits go.
+FARTHER = 1.1
 
 Floats = NDArray[np.float64]
 
@@ -76,20 +77,29 @@ def joined(parts: list[Columns]) -> Columns:
 
 
 def let_go(P: Map, found: Columns) -> Columns:
-    """Return orbits of which those of an oscillator that grow without bound have ended, with outcome diverged.
+    """Return orbits of which those that grow without bound have ended, with outcome diverged.
 
-    These are farther from the wall than so many sizes of the map's box, and get farther with every third of what is
-    kept, from impact to impact. The numbers would take thousands of periods more to overflow.
+    These are farther away than so many sizes of the map's box, and get farther with every third of what is kept; those
+    of an oscillator from impact to impact. The box of another map may be far from where its orbits go: there all of the
+    last third is farther than all of the first, and growth does not slow down. The numbers would take thousands of
+    steps more to overflow.
     """
     keep = found.points.shape[1]
-    if not P.origin.sized or keep < LEAST:
+    if keep < LEAST:
         return found
     size = np.array([high - low for low, high in P.box])[:, None]
     with np.errstate(invalid="ignore", over="ignore"):
-        ends = np.array_split(np.arange(keep), 3)
-        thirds = [(np.abs(found.points[:, part]) / size).max(axis=(1, 2)) for part in ends]
-        gone = (thirds[0] > FAR_AWAY) & (thirds[1] > thirds[0]) & (thirds[2] > thirds[1])
-        gone &= (found.letters[:, ends[2]] != 0).any(axis=1)  # a ball that nothing brings back is another matter
+        parts = np.array_split(found.points, 3, axis=1)
+        late = (np.abs(parts[2]) / size).max(axis=2)
+        last = late.max(axis=1)
+        if not (last > FAR_AWAY).any():
+            return found
+        first, second = ((np.abs(part) / size).max(axis=(1, 2)) for part in parts[:2])
+        gone = (first > FAR_AWAY) & (second > first) & (last > second)
+        if P.origin.sized:  # a ball that nothing brings back is another matter
+            gone &= (np.array_split(found.letters, 3, axis=1)[2] != 0).any(axis=1)
+        else:
+            gone &= (late.min(axis=1) > FARTHER * first) & (last - second > second - first)
     if not gone.any():
         return found
     points, outcomes = found.points.copy(), found.outcomes.copy()

@@ -123,7 +123,10 @@ def corrected(
         F, wide = linearised(equations, z)
         if not (np.isfinite(F).all() and np.isfinite(wide).all()):
             return None
-        move = solved_or_least(np.vstack([wide, across]), np.append(F, across @ (z - plane)))
+        A, missed = np.vstack([wide, across]), np.append(F, across @ (z - plane))
+        move = solved_or_least(A, missed)
+        if not EPS * np.abs(A).max() * np.abs(move).max() <= np.abs(missed).max():  # A is singular but for rounding
+            move = np.asarray(np.linalg.lstsq(A, missed)[0])
         size = float(np.abs(move).max())
         if not size < 1e3:
             return None

@@ -78,13 +78,14 @@ def manifolds(
     xarray.Dataset
         ``manifold`` (point, coordinate): the states, piece after piece with a row of NaN between two pieces. ``piece``
         (point) is a row of the table on dimension "piece": ``order``, the number of steps between the saddle's
-        neighbourhood and the piece; ``word``, the letters that the map writes on them, in the order of time;
-        ``branch``; ``piece_length``; ``cut_first`` and ``cut_last``, whether the map is discontinuous or has a kink
-        at that end or on its way. ``seed`` (point) is the start: ``saddle[0] + seed * direction`` comes to the point
-        in ``order`` steps, or the point comes to it. The table on dimension "branch", two for each point of the orbit:
-        ``saddle_point``, ``sign``, ``branch_length`` and ``branch_end``, one of length settled lost away steps points
-        (in words: attribute ``meaning``). ``saddle`` (saddle_index, coordinate), ``direction`` (coordinate). All
-        lengths are in sides of the box, and so a direction is one side long.
+        neighbourhood and the piece; ``start``, which point of the saddle is there; ``word``, the letters that the map
+        writes on them, in the order of time; ``branch``; ``piece_length``; ``cut_first`` and ``cut_last``, whether
+        the map is discontinuous or has a kink at that end or on its way. ``seed`` (point): with the ``start`` of the
+        piece, ``saddle[start] + seed * direction[start]`` comes to the point in ``order`` steps, or the point comes
+        to it. The table on dimension "branch", two for each point of the orbit: ``saddle_point``, ``sign``,
+        ``branch_length`` and ``branch_end``, one of length settled lost away steps points (in words: attribute
+        ``meaning``). ``saddle`` and ``direction`` (saddle_index, coordinate). All lengths are in sides of the box,
+        and so a direction is one side long.
 
     Raises
     ------

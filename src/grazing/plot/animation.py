@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from itertools import pairwise
 from math import ceil
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
-from matplotlib.animation import PillowWriter
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.patches import Circle
+from PIL import Image
 
 from grazing.outcome import InputError
 from grazing.parameter import Parameter, whole
@@ -31,15 +30,10 @@ MOST = 3000
 TAIL, DPI = 0.8, 100
 
 
-class Film(PillowWriter):
-    """Frames that together last as long as they should: each ends at the tick next to its end."""
-
-    def finish(self) -> None:
-        """Write the file."""
-        ends = [round(i * TICKS / self.fps) for i in range(len(self._frames) + 1)]  # type: ignore[attr-defined]
-        lasts = [(end - begin) * (1000 // TICKS) for begin, end in pairwise(ends)]
-        first, *rest = self._frames  # type: ignore[attr-defined]
-        first.save(self.outfile, save_all=True, append_images=rest, duration=lasts, loop=0)
+def durations(count: int, fps: int) -> list[int]:
+    """Return for how many milliseconds frames are shown, so that each ends at the tick next to its end."""
+    ends = [round(i * TICKS / fps) for i in range(count + 1)]
+    return [(end - begin) * (1000 // TICKS) for begin, end in pairwise(ends)]
 
 
 def animate(table: Any, flown: Any, path: str | Path, *, fps: int = 25, speed: float = 1.0) -> Path:
@@ -90,30 +84,40 @@ def animate(table: Any, flown: Any, path: str | Path, *, fps: int = 25, speed: f
         )
     data = [np.asarray(flown[name].values, np.float64) for name in ("x", "y", "vx", "vy")]
     drawn = draw_table(table, names=False)
-    figure, writer = drawn["figure"], Film(fps=fps)
+    figure = drawn["figure"]
     (ax,) = figure.axes
     extent = max(np.ptp(ax.get_xlim()), np.ptp(ax.get_ylim()))
     way_x, way_y, moments = way_of(flown, table.gravity, FLAT * extent)
     (tail,) = ax.plot([], [], color=WAY, lw=0.7, zorder=4)
     ball = ax.add_patch(Circle((0.0, 0.0), max(table.rho, 0.006 * extent), fc=WAY, ec=WAY, lw=0.8, zorder=6))
-    with TemporaryDirectory() as folder, styled():
-        half = Path(folder) / "film.gif"
-        figure.savefig(BytesIO(), format="rgba", dpi=DPI)
-        figure.set_layout_engine("none")  # which would move the axes from frame to frame
-        with writer.saving(figure, str(half), dpi=DPI):
-            for now in t[0] + np.minimum(np.arange(frames) * speed / fps, t[-1] - t[0]):
-                i = int(np.searchsorted(t, now, side="right")) - 1
-                s, (x, y, vx, vy) = now - t[i], (one[i] for one in data)
-                place = x + vx * s, y + (vy - 0.5 * table.gravity * s) * s
-                ball.set_center(place)
-                seen = (moments > now - TAIL * speed) & (moments <= now)
-                tail.set_data(np.append(way_x[seen], place[0]), np.append(way_y[seen], place[1]))
-                for line in table.outlines(float(now)):
+    turning = list(table.angles(0.0))
+    parts = [drawn[kind][name] for kind in ("bodies", "objects") for name in turning if name in drawn[kind]]
+    shots: list[Image.Image] = []
+    with styled():
+        figure.set_dpi(DPI)
+        canvas: Any = FigureCanvasAgg(figure)
+        canvas.draw()
+        figure.set_layout_engine("none")  # which would move the axes
+        for part in (*parts, tail, ball):  # in this order they lie upon each other, and all upon what stands
+            part.set_animated(True)
+        canvas.draw()
+        still = canvas.copy_from_bbox(figure.bbox)
+        for now in t[0] + np.minimum(np.arange(frames) * speed / fps, t[-1] - t[0]):
+            i = int(np.searchsorted(t, now, side="right")) - 1
+            s, (x, y, vx, vy) = now - t[i], (one[i] for one in data)
+            place = x + vx * s, y + (vy - 0.5 * table.gravity * s) * s
+            ball.set_center(place)
+            seen = (moments > now - TAIL * speed) & (moments <= now)
+            tail.set_data(np.append(way_x[seen], place[0]), np.append(way_y[seen], place[1]))
+            for line in table.outlines(float(now)) if turning else ():
+                if line.name in turning:
                     drawn["objects"][line.name].set_data(*line.points.T)
                     if line.name in drawn["bodies"]:
                         drawn["bodies"][line.name].set_xy(line.points)
-                writer.grab_frame()
-        film = half.read_bytes()
-    with whole_file(target) as part:
-        part.write_bytes(film)
+            canvas.restore_region(still)
+            for part in (*parts, tail, ball):
+                ax.draw_artist(part)
+            shots.append(Image.fromarray(np.asarray(canvas.buffer_rgba())).convert("RGB"))
+    with whole_file(target) as file, file.open("wb") as film:
+        shots[0].save(film, "GIF", save_all=True, append_images=shots[1:], duration=durations(frames, fps), loop=0)
     return target

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import warnings
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from functools import lru_cache
@@ -15,6 +16,7 @@ from typing import Any
 import matplotlib
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.colors import to_hex, to_rgba
 from matplotlib.figure import Figure
 from matplotlib.mathtext import MathTextParser
 
@@ -130,8 +132,17 @@ def figure(width: float = SINGLE, height: float = 62.0) -> Figure:
 
 
 def axes(ax: Axes | None, width: float = SINGLE, height: float = 62.0) -> Axes:
-    """Return the axes given, or those of a new figure."""
-    return ax if ax is not None else panels(width, height)[1][0]
+    """Return the axes given, or those of a new figure; warn of a dark ground, on which much would not be seen."""
+    if ax is None:
+        return panels(width, height)[1][0]
+    grounds = [to_rgba(each) for each in (ax.get_facecolor(), root(ax).get_facecolor())]
+    if any(each[3] and ink_on(to_hex(each)) != INK for each in grounds):
+        warnings.warn(
+            "the axes are dark, and these colours are for a light ground: period 1 is black, and so is what is "
+            "written; make the axes outside of the dark style, or by gz.plot.panels()",
+            stacklevel=4,
+        )
+    return ax
 
 
 def root(ax: Axes) -> Figure:

@@ -155,7 +155,7 @@ export class GapView {
 
   /** What of theory lies under the diagram of a state. @param {Axes} axes @param {Pen} c @param {State} state */
   backdrop(axes, c, { lam, l }) {
-    if (this.state.theory) drawWindows(axes, c, windows(this.machine, lam, l));
+    drawWindows(axes, c, windows(this.machine, lam, l));
   }
 
   repaint() {

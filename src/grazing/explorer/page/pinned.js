@@ -45,7 +45,7 @@ export class Pinned {
       on: () => beside()?.axes,
       under: (axes, c) => {
         const view = page.view();
-        if (view && "backdrop" in view) view.backdrop(axes, c, kept(page.state().pinned, page.fields));
+        if (view && "backdrop" in view && page.state().theory) view.backdrop(axes, c, kept(page.state().pinned, page.fields));
       },
       overlay: (axes, c) => this.#overlay(axes, c),
       problem: page.problem,
