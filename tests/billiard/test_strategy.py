@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.outcome import TOO_MANY_IMPACTS
 
 LAW, STROKE = gz.newton(0.8), {"up": 14.0, "down": 9.0}
 LEFT = gz.flipper("L", (1.2, 1.0), 1.45, (0.2, 0.12), -0.5, 0.6, LAW, **STROKE)
@@ -104,8 +105,33 @@ def test_launches_are_those_of_trajectories():
     assert table(yes).config["strategy"] != table(no).config["strategy"]
 
 
+def test_launches_that_a_kernel_follows_are_those_that_only_python_does_and_hits_are_impacts():
+    """Ways to gates and along walls were counted as hits, and a launch was given up before it had as many."""
+    angle, speed = np.linspace(0.3, 2.8, 25)[[0, 2, 6, 7]], np.linspace(0.2, 3.0, 20)[[1, 7, 8]]
+    flips = lambda s, _p: s[0] > 2.0 and s[3] < 0.0, lambda s, p: s[0] > 2.0 and s[3] < 0.0 < p["L.x"]
+    followed = gz.launches(table(flips[0]), (2.0, 4.0), angle, speed, hits=60)
+    alone = gz.launches(table(flips[1]), (2.0, 4.0), angle, speed, hits=200)
+    given_up = (followed.outcome.values & TOO_MANY_IMPACTS) != 0
+    assert 0 < given_up.sum() < given_up.size and (followed.hits.values[given_up] == 60).all()
+    assert (alone.hits.values[given_up] >= 60).all()
+    for name in ("exit", "hits", "time"):
+        assert (followed[name].values == alone[name].values)[~given_up].all()
+
+
 def broken(_state, _p):
     raise ZeroDivisionError("by zero")
+
+
+def picky(state, _p):
+    if state[3] < 0.0:
+        raise ValueError("it falls")
+    return True
+
+
+def orbits_of(flip):
+    """Iterate the map of launches of a table with this strategy, as studies do."""
+    grid = {"angle": [1.4, 1.6], "speed": [0.5, 0.6]}
+    return gz.basins(gz.launch_map(table(flip), (2.0, 4.0)), grid, transient=1, keep=2)
 
 
 @pytest.mark.parametrize(
@@ -124,6 +150,8 @@ def broken(_state, _p):
         (lambda: gz.trajectory(table(broken), (2.0, 4.0, 0, 0), until=9.0), "the strategy raised ZeroDivisionError"),
         (lambda: gz.trajectory(table(lambda s, p: float("nan")), (2.0, 4.0, 0, 0), until=9.0), "returned nan for the"),
         (lambda: gz.launches(table(lambda s, p: None), (2.0, 4.0), [0.0], [0.0]), "returned None for the ball"),
+        (lambda: gz.launches(table(picky), (2.0, 4.0), [1.5], [0.5]), "the strategy raised ValueError: it falls.* for"),
+        (lambda: orbits_of(picky), "the strategy (or a reset law of launch map )?raised ValueError: it falls"),
     ],
 )
 def test_what_is_no_strategy_is_refused(made, said):

@@ -2,14 +2,28 @@
 
 from __future__ import annotations
 
+from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import OFF, ON, element, turns_at, width_of
-from grazing.billiard.hit import flown, is_open, met, period_of, struck
+from grazing.billiard.elements import (
+    OFF,
+    ON,
+    SAME,
+    along,
+    apart,
+    element,
+    gap_of,
+    holds,
+    joins,
+    normal_of,
+    turns_at,
+    width_of,
+)
+from grazing.billiard.hit import first_turning, flown, is_open, met, period_of, rows_of, struck
 from grazing.billiard.march import first_contact
-from grazing.billiard.rows import FLIPPERS, GRAVITY, LENGTH
+from grazing.billiard.rows import FACES, FLIPPERS, GRAVITY, LENGTH, OWNER, SIZE, WIDTH
 from grazing.billiard.slide import HITS, LEAVES, STAYS, WAITS, pressing, slide
-from grazing.kernel.primitives import inlined, unit
+from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -29,6 +43,8 @@ NONE = (NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN)
 SLIDES = 10_000
 #: Rises that are looked at closer, as a share of the size of the table.
 SLOW = 1e-9
+#: The part of what tells a place from the line of a wall that rounding cannot make.
+TOLD = 1.0 / 16.0
 #: How much less than what touches a rise must be that is none.
 FINE = 4.0
 
@@ -82,6 +98,66 @@ def landed(surface: int, t: float, x: float, y: float, vx: float, vy: float, clo
 
 
 @inlined
+def cleared(
+    surface: int, left: int, x: float, y: float, vx: float, vy: float, clock: float, table: Any
+) -> Any:  # fmt: skip
+    """Return (x, y, way, wall): the place of a ball that hit a surface with a velocity, beside walls that end there.
+
+    At the foot of such a wall a ball without a radius is on its line, and neither what it left nor its velocity says on
+    which side. So it is put on the side from which it came, as far as tells; ``way`` is how far that may be, and
+    ``wall`` the side.
+    """
+    reach, beside = 0.0, -1
+    if surface >= first_turning(table):
+        return x, y, reach, beside
+    rows, el = rows_of(table), element(surface, clock, table)
+    for i in range(int(table[FACES])):
+        row = behind(rows, WIDTH * i)
+        if is_open(int(row[OWNER]), table) or surface // 2 == i:
+            continue
+        if row[SIZE] > 0.0:  # the ball has a radius
+            return x, y, reach, beside
+        wall = element(2 * i + 1, clock, table)
+        far = apart(wall, el, x, y)
+        if abs(gap_of(wall, x, y)) > far or not holds(wall, x, y, far) or not joins(el, wall, x, y, 0.5 * far):
+            continue
+        nx, ny = normal_of(el, x, y)
+        gap, rate, lean = gap_of(wall, x, y), wall[4] * vx + wall[5] * vy, wall[5] * nx - wall[4] * ny
+        side = 1.0 if gap >= 0.0 else -1.0
+        if left // 2 == i:
+            side = 2.0 * (left % 2) - 1.0
+        elif abs(gap) <= TOLD * far and abs(rate) > SAME * (abs(vx) + abs(vy)):
+            side = 1.0 if rate < 0.0 else -1.0
+        x, y = along(el, x, y, side if lean > 0.0 else -side, (far - side * gap) / abs(lean))
+        reach, beside = max(reach, 2.0 * far / abs(lean)), 2 * i + (1 if side > 0.0 else 0)
+    return x, y, reach, beside
+
+
+@unit
+def at_foot(
+    surface: int, left: int, now: float, x: float, y: float, v: Any, after: Any, normal: Any, clock: float, table: Any
+) -> Any:  # fmt: skip
+    """Return (left, state) just after an impact, of a ball without a radius beside a wall that ends there.
+
+    Where it is put its energy is the same. If it goes no faster than by a fall over that way, it rests or slides on
+    what holds it.
+    """
+    px, py, reach, wall = cleared(surface, left, x, y, v[0], v[1], clock, table)
+    g, (_x, _y, vx, vy), (nx, ny) = table[GRAVITY], after, normal
+    fast = vx * vx + vy * vy
+    if wall < 0 or not fast > 0.0:
+        return now, (px, py, vx, vy)
+    if fast > 4.0 * g * reach:
+        kept = sqrt(max(1.0 - 2.0 * g * (py - y) / fast, 0.0))
+        return now, (px, py, kept * vx, kept * vy)
+    _curved, _owner, _px, _py, mx, my, _size, _span = element(wall, clock, table)
+    falls = mx * (mx * ny - my * nx) < 0.0  # the wall, from where it ends
+    if my > 0.0 and (falls or ny <= 0.0):
+        return 1.0 * wall + ON, (x, y, 0.0, 0.0)
+    return (1.0 * surface + ON if ny > 0.0 else now), (px, py, 0.0, 0.0)
+
+
+@inlined
 def slid_on(left: float, clock: float, table: Any) -> Any:
     """Return the surface on which a ball slides, -1 for one that flies."""
     last = int(left)
@@ -104,7 +180,9 @@ def next_event(x: float, y: float, vx: float, vy: float, left: float, clock: flo
             x, y, vx, vy = there
             (owner, said, left), _before, after, speeds = landed(surface, 0.0, x, y, vx, vy, clock + t, table)
             # in a corner it stays where it is, on the surface that it slid on: rounding must not push it through that
-            return (surface, owner, t, flags | said, left), there, (x, y, after[2], after[3]), speeds
+            normal = speeds[3], speeds[4]
+            left, after = at_foot(surface, last, left, x, y, (vx, vy), after, normal, clock + t, table)
+            return (surface, owner, t, flags | said, left), there, after, speeds
         if why == STAYS:
             return (surface, -1, INFINITY, flags | NO_IMPACT, left), there, there, NONE
         if why != WAITS:
@@ -127,8 +205,10 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
         return (surface, -1, INFINITY, flags | ESCAPED, left), state, state, NONE
     if not t < INFINITY:
         return (surface, -1, t, flags | DIVERGED, left), state, state, NONE
-    (owner, said, left), before, after, speeds = landed(surface, t, x, y, vx, vy, clock, table)
-    return (surface, owner, t, flags | said, left), before, after, speeds
+    (owner, said, now), before, after, speeds = landed(surface, t, x, y, vx, vy, clock, table)
+    x, y, v, normal = after[0], after[1], (before[2], before[3]), (speeds[3], speeds[4])
+    now, after = at_foot(surface, int(left), now, x, y, v, after, normal, clock + t, table)
+    return (surface, owner, t, flags | said, now), before, after, speeds
 
 
 @unit

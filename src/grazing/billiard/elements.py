@@ -34,9 +34,11 @@ from grazing.billiard.rows import (
 from grazing.billiard.swing import swung
 from grazing.billiard.turning import normal_at
 from grazing.kernel.elementary import arccos, arctan2, sincos
-from grazing.kernel.primitives import behind, inlined
+from grazing.kernel.primitives import behind, inlined, unit
 
 INFINITY = float("inf")
+#: Longer than any way along an element that has ends.
+MOST = 1e300
 #: Units of the last place of the sizes involved within which a ball touches a surface, and normals are the same.
 TOUCH, SAME = 64.0 * 2.0**-52, 2.0**-40
 
@@ -137,6 +139,35 @@ def to_end(el: Any, x: float, y: float, way: float) -> Any:
     if span < -1.0:
         return INFINITY
     return max(arccos(span) - way * curved * arctan2(ax * dy - ay * dx, ax * dx + ay * dy), 0.0) * size
+
+
+@inlined
+def apart(line: Any, other: Any, x: float, y: float) -> Any:
+    """Return within what a ball touches a line and another element, twice: so far from the one it does not."""
+    return 2.0 * (width_of(line, x, y) + width_of(other, x, y) + TOUCH * line[7])
+
+
+@inlined
+def rises(line: Any, x: float, y: float, nx: float, ny: float) -> Any:
+    """Say whether a line that goes through a place, within rounding, rises there in the direction of a normal."""
+    _curved, _owner, px, py, ax, ay, _size, span = line
+    begin = nx * (px - x) + ny * (py - y)
+    return max(begin, begin + span * (nx * -ay + ny * ax)) > SAME * span
+
+
+@unit
+def shares_end(el: Any, other: Any, x: float, y: float, width: float) -> Any:
+    """Say whether the nearer end of an element is on another one."""
+    more, less = to_end(el, x, y, 1.0), to_end(el, x, y, -1.0)
+    ex, ey = along(el, x, y, 1.0 if more < less else -1.0, min(more, less, MOST))
+    return min(more, less) < MOST and abs(gap_of(other, ex, ey)) <= width and holds(other, ex, ey, width)
+
+
+@inlined
+def joins(el: Any, wall: Any, x: float, y: float, width: float) -> Any:
+    """Say whether a wall rises from the middle of an element."""
+    nx, ny = normal_of(el, x, y)
+    return rises(wall, x, y, nx, ny) and shares_end(wall, el, x, y, width) and not shares_end(el, wall, x, y, width)
 
 
 @inlined

@@ -13,12 +13,25 @@ from fractions import Fraction
 from math import inf, nextafter
 
 import numpy as np
-from flint import fmpq_poly
+from flint import fmpq, fmpq_poly
 from numpy.typing import NDArray
 
-from grazing.billiard.faces import beside_face, body_of, face_corner
+from grazing.billiard.faces import beside_face, body_of, closing, face_corner, slack_of
 from grazing.billiard.march import beside_circle, side_corner
-from grazing.billiard.roots import SHARE, Gap, Root, Undecided, exact, inside, joined, made, precision, roots_of, same
+from grazing.billiard.roots import (
+    SHARE,
+    Gap,
+    Root,
+    Undecided,
+    at,
+    exact,
+    inside,
+    joined,
+    made,
+    precision,
+    roots_of,
+    same,
+)
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,
@@ -52,34 +65,35 @@ BITS = (128, 512, 2048, 8192)
 
 def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = False) -> Iterator[Gap]:
     """Yield the gaps of all surfaces along the flight from a state; ``slid``: it slid off the surface that it left."""
-    x, y, vx, vy = map(exact, state)
+    (x, y, vx, vy), (x0, y0, vx0, vy0) = map(exact, state), state
     fall = -exact(block[GRAVITY]) / 2
     faces, circles, sides = (int(block[i]) for i in (FACES, CIRCLES, SIDES))
     rows = block[HEAD + THING * int(block[THINGS]) :]
-    body = body_of(left, faces, circles, rows)
     for i in range(faces + circles + sides):
         row = rows[WIDTH * i : WIDTH * (i + 1)]
         dx, dy = fmpq_poly([x - exact(row[PX]), vx]), fmpq_poly([y - exact(row[PY]), vy, fall])
         within: tuple[fmpq_poly, ...]
         owner, size = int(row[OWNER]), fmpq_poly([exact(row[SIZE])])
-        spread = abs(state[0] - row[PX]) + abs(state[1] - row[PY]) + row[SIZE]
+        spread = abs(x0) + abs(y0) + abs(x0 - row[PX]) + abs(y0 - row[PY]) + row[SIZE]
         if slid and i < faces and left // 2 == i:
             continue
         if i < faces:
             ex, ey = exact(row[EX]), exact(row[EY])
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
             within = foot, fmpq_poly([exact(row[LONG])]) - foot
-            bare = left >= 0 and left // 2 != i and row[SIZE] == 0.0
-            corner, way = face_corner(row, state[0], state[1], state[2], state[3], body) if bare else (False, 0.0)
+            bare, slack = left >= 0 and left // 2 != i and row[SIZE] == 0.0, slack_of(row, x0, y0)
+            corner, way = face_corner(row, x0, y0, vx0, vy0, left, faces, circles, rows) if bare else (False, 0.0)
             for side, sign in enumerate((-1, 1)):
                 surface = 2 * i + side
                 if (corner and sign * way < 0.0) or (slid and beside_face(row, float(sign), *state)):
                     continue
                 if corner:
                     off -= off[0]
-                    within = closed(within, spread)
+                    if sign * off[2] > 0 and off[1] ** 2 <= sign * off[2] * exact(slack):
+                        continue
                 fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
-                yield made(surface, owner, sign * off - size, within, fresh, spread)
+                seen = closed(within, row, float(sign), corner, slack, left, faces, circles, rows) if bare else within
+                yield made(surface, owner, sign * off - size, seen, fresh, spread)
             continue
         surface, h = faces + i, dx * dx + dy * dy - size * size
         if slid and (surface == left or (i >= faces + circles and beside_circle(row, *state))):
@@ -93,15 +107,23 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             other = rows[WIDTH * (left - faces) :][:WIDTH] if left >= 2 * faces + circles else row
             fresh = left == surface or (other is not row and (other[OWNER], other[SIZE]) == (row[OWNER], row[SIZE]))
             if row[BARE] > 0.0 and left >= 0 and not fresh:
-                fresh, comes = side_corner(row, state[0], state[1], state[2], state[3], body)
+                fresh, comes = side_corner(row, x0, y0, vx0, vy0, body_of(left, faces, circles, rows))
                 if comes:
                     continue
             yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
 
 
-def closed(within: tuple[fmpq_poly, ...], spread: float) -> tuple[fmpq_poly, ...]:
-    """Return the ends of a face in whose corner the ball is: that it begins beyond one by rounding is no way out."""
-    return tuple(one - one[0] if -exact(SHARE * spread) < one[0] < 0 else one for one in within)
+def closed(
+    within: tuple[fmpq_poly, ...], row: Floats, sign: float, corner: bool, slack: float, left: int, faces: int,
+    circles: int, rows: Floats,
+) -> tuple[fmpq_poly, ...]:  # fmt: skip
+    """Return where a side of a face is to a ball that left a surface on which it ends: rounding leaves no way out."""
+
+    def shut(far: int) -> fmpq:
+        here = corner and abs(within[far][0]) <= exact(slack)
+        return exact(slack * closing(left, faces, circles, rows, row, sign, float(far), here, slack))
+
+    return within[0] + shut(0), within[1] + shut(1)
 
 
 def slid_off(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], spread: float) -> Gap:
@@ -148,11 +170,20 @@ def exact_contact(
     raise Undecided
 
 
+def crack(one: Root, other: Root) -> bool:
+    """Say whether a ball comes down to two faces where both end, and beyond both ends by rounding only."""
+    gap, slack = other.gap, exact(SHARE * other.gap.size)
+    assert gap.h is not None
+    ends = [at(end, root.t) + exact(SHARE * root.gap.size) > 0 for root in (one, other) for end in root.gap.within]
+    return all(ends) and bool(abs(at(gap.h, one.t)) < slack)
+
+
 def _first(
     gaps: list[Gap], turning: Callable[[float, bool], Iterator[Root]], last: bool
 ) -> tuple[int, float, int]:  # fmt: skip
     hits: list[Root] = []
     touches: list[Root] = []
+    missed: list[Root] = []
     flags = OK
     for gap in gaps:
         for root in roots_of(gap):
@@ -163,7 +194,14 @@ def _first(
                 (touches if root.touch else hits).append(root)
                 if not root.touch:
                     break
+            elif not root.touch and len(gap.within) == 2:
+                missed.append(root)
         hits += joined(gap)
+    through = [one for one in missed if any(one.gap.surface // 2 != other.gap.surface // 2 and crack(one, other)
+               for other in missed)]  # fmt: skip
+    if through:  # that it misses both ends by rounding is no way between them
+        hits += through
+        flags |= AMBIGUOUS
     end = min((nextafter(float(one.t.upper()), inf) for one in hits), default=inf)
     for root in turning(end, last):
         (touches if root.touch else hits).append(root)

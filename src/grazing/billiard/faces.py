@@ -9,8 +9,8 @@ from math import floor, sqrt
 from typing import Any
 
 from grazing.billiard.gaps import DEEP, EPS, GAP, face_crossing, face_root, rests, touches
-from grazing.billiard.rows import EX, EY, LONG, MX, MY, OWNER, PX, PY, SIZE, WIDTH
-from grazing.kernel.primitives import behind, inlined
+from grazing.billiard.rows import COSINE, EX, EY, LONG, MX, MY, OWNER, PX, PY, SIGN, SIZE, WIDTH
+from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, STUCK
 
 INFINITY = float("inf")
@@ -18,6 +18,8 @@ INFINITY = float("inf")
 STOP = FATAL | STUCK
 #: Errors of a gap within which a ball without a radius is in a corner: as many as a slide along the face makes.
 CORNER = 4.0
+#: The sine of an angle below which a face goes on along a surface, and does not rise from it.
+RISES = 2.0**-40
 
 
 @inlined
@@ -55,13 +57,67 @@ def body_of(surface: int, faces: int, circles: int, rows: Any) -> Any:
 
 
 @inlined
-def face_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -> Any:
-    """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-."""
+def joint(last: int, faces: int, circles: int, rows: Any, x: float, y: float, ex: float, ey: float, e: float) -> Any:
+    """Return (rise, middle): how steeply a face that begins at a place rises from a surface, 0 if that is not there.
+
+    ``middle``: it begins between the ends of the surface.
+    """
+    face, side = last < 2 * faces, last >= 2 * faces + circles
+    row = behind(rows, WIDTH * (last // 2 if face else last - faces))
+    dx, dy, size = x - row[PX], y - row[PY], row[SIZE]
+    sign, far = 2.0 * (last % 2) - 1.0 if face else (row[SIGN] if side else 1.0), sqrt(dx * dx + dy * dy)
+    foot = row[EX] * dx + row[EY] * dy
+    nx, ny, room = sign * row[EY], -sign * row[EX], min(foot, row[LONG] - foot)
+    gap = nx * dx + ny * dy - size
+    if not face:
+        nx, ny, gap = sign * dx / far, sign * dy / far, far - size
+        room = row[MX] * dx + row[MY] * dy - row[COSINE] * size if side else size
+    on = abs(gap) <= e and room >= -e
+    return nx * ex + ny * ey if on else 0.0, room > e
+
+
+@unit
+def closing(
+    last: int, faces: int, circles: int, rows: Any, row: Any, sign: float, far: float, here: bool, e: float
+) -> float:  # fmt: skip
+    """Return whether an end of a side of a face is closed to a ball that left a surface, 1; open, -1; or not there, 0.
+
+    The end is on that surface. If the face rises before it, rounding leaves no way between both. If it falls away, the
+    ball does not meet it there: not its back, nothing where the surface goes on beyond it, nor that at which it is
+    ``here``. The side is the right one for ``sign`` 1, the end the second one for ``far`` 1.
+    """
+    ex, ey = row[EX], row[EY]
+    x, y, way = row[PX] + far * row[LONG] * ex, row[PY] + far * row[LONG] * ey, 1.0 - 2.0 * far
+    rise, middle = joint(last, faces, circles, rows, x, y, way * ex, way * ey, e)
+    bx, by = body_of(last, faces, circles, rows)
+    back = sign * (ey * (bx - row[PX]) - ex * (by - row[PY])) > 0.0
+    if rise > RISES:
+        return 1.0
+    return -1.0 if rise < -RISES and (here or middle or back) else 0.0
+
+
+@inlined
+def slack_of(row: Any, x: float, y: float) -> Any:
+    """Return within what a ball without a radius is at the line or at an end of a face."""
+    return CORNER * GAP * EPS * (abs(x) + abs(y) + abs(x - row[PX]) + abs(y - row[PY]) + row[LONG])
+
+
+@unit
+def face_corner(
+    row: Any, x: float, y: float, vx: float, vy: float, last: int, faces: int, circles: int, rows: Any
+) -> Any:  # fmt: skip
+    """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-.
+
+    It is on the side on which the body is of what it left; if the face falls away from that, on the other one.
+    """
     dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
-    e = CORNER * GAP * EPS * (abs(dx) + abs(dy) + row[LONG])
+    e, body, foot = slack_of(row, x, y), body_of(last, faces, circles, rows), ex * dx + ey * dy
     way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
+    far = 1.0 if foot > 0.5 * row[LONG] else 0.0
     if abs(way) <= e:  # one line goes on as the other: it leaves both
         way = ey * vx - ex * vy
+    elif abs(foot - far * row[LONG]) <= e and closing(last, faces, circles, rows, row, 0.0, far, True, e) < 0.0:
+        way = -way
     return abs(ey * dx - ex * dy) <= e, way
 
 
@@ -74,9 +130,24 @@ def beside_face(row: Any, sign: float, x: float, y: float, vx: float, vy: float)
 
 
 @inlined
+def spread_of(dx: float, dy: float, size: float, long: float) -> float:
+    """Return the sizes that the gap of a face is made of: a ball without a radius may be at its very end."""
+    return abs(dx) + abs(dy) + (size if size > 0.0 else long)
+
+
+@inlined
 def inside_face(off: float, foot: float, size: float, long: float, e: float) -> Any:
     """Say whether a ball is surely nearer to a face than it can be."""
     return size - abs(off) - DEEP * e > 0.0 and foot > e and foot < long - e
+
+
+@inlined
+def foot_at(t: float, late: float, along: Any, v: Any, face: Any, g: float) -> Any:
+    """Return where on a face the foot of a ball is at a time, and how far that may be off."""
+    (dx, dy), (vx, vy), (ex, ey, size, _long) = along, v, face
+    spread, speed, s = abs(dx) + abs(dy) + size, abs(vx) + abs(vy), t if t < INFINITY else 0.0
+    foot = ex * (dx + vx * s) + ey * (dy + (vy - 0.5 * g * s) * s)
+    return foot, GAP * EPS * (spread + (speed + g * s) * s) + (speed + g * s) * late
 
 
 @inlined
@@ -85,10 +156,8 @@ def on_face(t: float, late: float, along: Any, v: Any, face: Any, g: float, end:
 
     ``along`` is the ball's place as seen from the first end, ``face`` its direction, size and length.
     """
-    (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
-    spread, speed, s = abs(dx) + abs(dy) + size, abs(vx) + abs(vy), t if t < INFINITY else 0.0
-    foot = ex * (dx + vx * s) + ey * (dy + (vy - 0.5 * g * s) * s)
-    unsure = GAP * EPS * (spread + (speed + g * s) * s) + (speed + g * s) * late
+    _ex, _ey, size, long = face
+    foot, unsure = foot_at(t, late, along, v, face, g)
     on = t < INFINITY and t <= end + late and foot >= -unsure and foot <= long + unsure
     bare = on and size == 0.0 and (foot < unsure or foot > long - unsure)  # no circle is around that end
     return on, AMBIGUOUS if bare else OK
@@ -113,7 +182,7 @@ def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, la
     over, under = 2.0 * h if down else -0.5 * (dh + root), root - dh if down else bend
     t = over / (under if meets else 1.0)
     foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
-    stuck = fresh and rests(dh, bend, GAP * EPS * (abs(dx) + abs(dy) + size))
+    stuck = fresh and rests(dh, bend, GAP * EPS * spread_of(dx, dy, size, long))
     return t if meets and t >= 0.0 and foot >= 0.0 and foot <= long else INFINITY, surface, stuck
 
 
@@ -122,7 +191,7 @@ def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: floa
     """Return (met, t, late): whether one side of a face is met beyond doubt, and when; False if that is in doubt."""
     (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
     sign, fresh = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0, last == surface
-    off, e, d = ey * dx - ex * dy, GAP * EPS * (abs(dx) + abs(dy) + size), GAP * EPS * (abs(vx) + abs(vy))
+    off, e, d = ey * dx - ex * dy, GAP * EPS * spread_of(dx, dy, size, long), GAP * EPS * (abs(vx) + abs(vy))
     h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
     t, late, said = face_root(h, rate, bend, e, d, fresh)
     on, unsure = on_face(t, late, along, v, face, g, INFINITY)
@@ -206,12 +275,13 @@ def of_face(
     row = behind(rows, WIDTH * i)
     dx, dy, ex, ey, size = x - row[PX], y - row[PY], row[EX], row[EY], row[SIZE]
     off = ey * dx - ex * dy  # along the right normal
-    e, d = GAP * EPS * (abs(dx) + abs(dy) + size), GAP * EPS * (abs(vx) + abs(vy))
-    if last // 2 != i and inside_face(off, ex * dx + ey * dy, size, row[LONG], e):
+    e, d = GAP * EPS * (abs(x) + abs(y) + spread_of(dx, dy, size, row[LONG])), GAP * EPS * (abs(vx) + abs(vy))
+    beside, foot = last // 2 != i, ex * dx + ey * dy
+    if beside and inside_face(off, foot, size, row[LONG], e):
         return ended(found, 2 * i, 0.0, INSIDE_WALL)
     corner, way = False, 0.0
-    if size == 0.0 and last >= 0 and last // 2 != i:
-        corner, way = face_corner(row, x, y, vx, vy, body_of(last, faces, circles, rows))
+    if size == 0.0 and last >= 0 and beside:
+        corner, way = face_corner(row, x, y, vx, vy, last, faces, circles, rows)
     for side in range(2):
         sign, surface = 2.0 * side - 1.0, 2 * i + side
         if size == 0.0 and last == 2 * i + 1 - side:
@@ -219,11 +289,24 @@ def of_face(
         if (corner and sign * way < 0.0) or (slid and beside_face(row, sign, x, y, vx, vy)):
             continue
         h, rate, k = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
-        t, late, said = face_crossing(max(sign * off, 0.0) if corner else h, rate, k, e, d, last == surface)
+        if corner and k > 0.0 and rate * rate <= k * slack_of(row, x, y):
+            continue  # it is pulled away, and comes no further than rounding
+        if corner or (beside and size > 0.0 and h >= -DEEP * e and foot > e and foot < row[LONG] - e):
+            h = max(h, 0.0)  # rounding put it behind what it touches
+        t, late, said = face_crossing(h, rate, k, e, d, last == surface)
         if said & STUCK:
             return ended(found, surface, 0.0, said)
         face = ex, ey, size, row[LONG]
-        on, unsure = on_face(t, late, (dx, dy), (vx, vy), face, g, found[1] + found[2])
+        end = found[1] + found[2]
+        on, unsure = on_face(t, late, (dx, dy), (vx, vy), face, g, end)
+        if size == 0.0 and last >= 0 and t <= end + late and t < INFINITY:
+            then, wide = foot_at(t, late, (dx, dy), (vx, vy), face, g)
+            wide += slack_of(row, x, y)
+            far = 1.0 if then > 0.5 * row[LONG] else 0.0
+            if abs(then - far * row[LONG]) <= wide:
+                here = corner and abs(foot - far * row[LONG]) <= wide
+                shut = closing(last, faces, circles, rows, row, sign, far, here, wide)
+                on, unsure = (shut > 0.0, OK) if shut != 0.0 else (on, unsure)
         if on:
             found = nearer(found, surface, row[OWNER], t, late)
         found = found[0], found[1], found[2], found[3], found[4] | said | unsure

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import landed, next_event, slid_on
+from grazing.billiard.contact import flight_to, next_event, slid_on
 from grazing.billiard.elements import slid
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.players import Presses
@@ -30,6 +30,7 @@ from grazing.outcome import (
     GRAZE,
     INSIDE_WALL,
     NO_IMPACT,
+    OK,
     TOO_MANY_IMPACTS,
     TOO_MANY_SWINGS,
     InputError,
@@ -97,13 +98,13 @@ def recorder() -> Any:
 
 @lru_cache(maxsize=1)
 def lander() -> Any:
-    """Compile ``land(block, surface, t, state, clock, row)``: fill the row of a flight that ends there after t."""
+    """Compile ``land(block, surface, t, state, left, clock, row)``: fill the row of a flight that ends there at t."""
 
-    def land(block: Any, surface: int, t: float, state: Any, clock: float, row: Any) -> None:
-        (owner, flags, left), before, after, speeds = landed(
-            surface, t, state[0], state[1], state[2], state[3], clock, numbers(block)
+    def land(block: Any, surface: int, t: float, state: Any, left: float, clock: float, row: Any) -> None:
+        (_surface, owner, _t, flags, on), before, after, speeds = flight_to(
+            surface, t, OK, (state[0], state[1], state[2], state[3]), left, clock, numbers(block)
         )
-        row[TIME], row[SURFACE], row[OWNER], row[FLAGS], row[PATH] = t, left, owner, flags, -1.0
+        row[TIME], row[SURFACE], row[OWNER], row[FLAGS], row[PATH] = t, on, owner, flags, -1.0
         row[BEFORE], row[AFTER] = speeds[0], speeds[1]
         for i in range(4):
             row[FIRST + i], row[LAST + i], row[NEXT + i] = state[i], before[i], after[i]
@@ -122,7 +123,7 @@ def decided(block: Floats, state: Floats, left: float, clock: float = 0.0) -> Fl
     flight[TIME], flight[SURFACE], flight[OWNER], flight[FLAGS] = INFINITY, -1, -1, ESCAPED
     flight[PATH], flight[LEFT] = -1, left
     if surface >= 0:
-        call(lander(), block, surface, t, state, clock, flight)
+        call(lander(), block, surface, t, state, left, clock, flight)
     flight[FLAGS] = int(flight[FLAGS]) | flags
     return flight
 

@@ -14,12 +14,15 @@ from grazing.billiard.elements import (
     ahead_on_circle,
     ahead_on_line,
     along,
+    apart,
     bend_of,
     count_of,
     element,
     gap_of,
     holds,
     normal_of,
+    rises,
+    shares_end,
     slid,
     to_end,
     turns_at,
@@ -84,6 +87,28 @@ def is_bare(surface: int, el: Any, table: Any) -> bool:
 
 
 @inlined
+def closes(el: Any, other: Any, x: float, y: float, way: float, width: float) -> Any:
+    """Say whether a face that a ball without a radius touches is before it as it moves along a surface.
+
+    So it is on the side on which the ball is: moving to the end that both share or, where that face ends on the middle
+    of the surface, as the ball's place says.
+    """
+    if shares_end(el, other, x, y, width):
+        return to_end(el, x, y, way) < to_end(el, x, y, -way)
+    return gap_of(other, x, y) >= -width
+
+
+@unit
+def meets(el: Any, at: int, s: float, x: float, y: float, why: int, width: float, clock: float, table: Any) -> Any:
+    """Say whether a ball touches what it is about to hit, or a wall at whose foot it is put aside."""
+    if why != HITS or s <= width:
+        return why == HITS
+    to = element(at, clock, table)
+    # what tells is not the same as seen from both ends of a wall
+    return to[0] == 0.0 and is_bare(at, to, table) and gap_of(to, x, y) <= 3.0 * apart(to, el, x, y)
+
+
+@inlined
 def touched(el: Any, other: Any, x: float, y: float, nx: float, ny: float, way: float, width: float) -> Any:
     """Return whether a surface that the ball touches lets it pass: HITS, ONTO, or STAYS for free."""
     mx, my = normal_of(other, x, y)
@@ -117,7 +142,10 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
             how = touched(el, to, x, y, nx, ny, way, width)
             if how == HITS and is_bare(other, to, table):  # in a corner: what it moves away from is not before it
                 fast = speed * way > 0.0 and speed * speed > 2.0 * g * DEEP * width
-                how = STAYS if fast or to_end(el, x, y, -way) <= width else HITS
+                if to[0] == 0.0:
+                    how = HITS if closes(el, to, x, y, way, width) else STAYS
+                elif fast or to_end(el, x, y, -way) <= width:
+                    how = STAYS
             s = 0.0 if how != STAYS else INFINITY
         elif el[0] == 0.0:
             s, touch = ahead_on_line(x, y, -way * ny, way * nx, to, width)
@@ -139,6 +167,10 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
         fx, fy = along(el, x, y, way, s)
         if not holds(to, fx, fy, 4.0 * width):
             continue
+        if how == HITS and to[0] == 0.0 and is_bare(other, to, table):
+            mx, my = normal_of(el, fx, fy)
+            if not rises(to, fx, fy, mx, my):  # its back, beyond its end
+                continue
         if at >= 0 and abs(s - best) <= width and how == HITS and why == HITS:
             if to[1] != element(at, clock, table)[1]:
                 flags |= AMBIGUOUS
@@ -196,8 +228,12 @@ def slide(x: float, y: float, vx: float, vy: float, surface: int, clock: float, 
         down = -1.0
     s, at, why = (high, above, why_high) if down > 0.0 else (low, below, why_low)
     rise = g if speed * down > 0.0 else abs(fall)
-    if s <= width and why == HITS and speed * speed <= 2.0 * rise * DEEP * width:
+    if speed * speed <= 2.0 * rise * DEEP * width and meets(el, at, s, x, y, why, width, clock, table):
         still = fall == 0.0 or wedged(el, element(at, clock, table), x, y, nx, ny, down)
+    if speed * fall < 0.0 and speed * speed <= 2.0 * g * DEEP * width:
+        up = (high, above, why_high) if speed > 0.0 else (low, below, why_low)
+        if meets(el, up[1], up[0], x, y, up[2], width, clock, table):
+            speed = 0.0  # it falls away from that
     which, t, far, new, turned = 0, INFINITY, 0.0, speed, 0.0
     if still:
         new, here, high, low = 0.0, (x, y, 0.0, 0.0), 0.0, 0.0

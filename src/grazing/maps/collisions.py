@@ -94,6 +94,11 @@ def blocks_of(table: Table, rows: Floats, arithmetic: str) -> tuple[Floats, Floa
     return blocks.ctypes.data + blocks.strides[0] * np.array(which, float)[:, None], blocks
 
 
+def asked_of(table: Table) -> str:
+    """Return which functions of the user's a step on a table may call."""
+    return "the strategy or a reset law" if table.player.drains else "a reset law"
+
+
 class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
@@ -103,6 +108,7 @@ class OfTable(Origin):
     def __init__(self, table: Table, on: str) -> None:
         self.table, self.impacts_on, self.on = table, table, on
         self.exact = all(one.law is None or one.law.exact_slope for one in table.objects)
+        self.asks = asked_of(table)
 
     @property
     def config(self) -> dict[str, str]:

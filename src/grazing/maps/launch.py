@@ -148,6 +148,25 @@ def fan(
             ways[i, j], hits[i, j], times[i, j], outcomes[i, j] = launch(x, y, vx, vy, most, table)
 
 
+def watched_fan(
+    block: Any, x: float, y: float, most: int, angles: Any, speeds: Any, ways: Any, hits: Any, times: Any,
+    outcomes: Any,
+) -> None:  # fmt: skip
+    """Launch balls that a strategy looks at, each at an angle and a speed."""
+    table = numbers(block)
+    for i in range(len(angles)):
+        own, room, (s, c) = own_copy(table), np.empty(1), heading(angles[i])
+        vx, vy = speeds[i] * c, speeds[i] * s
+        ways[i], hits[i], times[i], outcomes[i] = watched(x, y, vx, vy, most, numbers(own), numbers(room))
+        own[0] = room[0] = 0.0  # an array lives up to its last use, its numbers do not keep it
+
+
+@lru_cache(maxsize=1)
+def watcher() -> Any:
+    """Compile :func:`watched_fan`."""
+    return compiled(watched_fan)
+
+
 class Found(NamedTuple):
     """Where a kernel writes what :func:`launch` returns, launch by launch.
 

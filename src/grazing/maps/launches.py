@@ -20,7 +20,7 @@ from grazing.billiard.table import AWAY, Table
 from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import abreast_loop
-from grazing.maps.collisions import blocks_of, checked_table, fastest, plain_block
+from grazing.maps.collisions import asked_of, blocks_of, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.launch import (
@@ -31,12 +31,13 @@ from grazing.maps.launch import (
     all_launched,
     heading,
     launcher,
+    watcher,
 )  # fmt: skip
 from grazing.maps.map import Map
 from grazing.maps.origin import Origin
 from grazing.maps.settle import Settled
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, ESCAPED, InputError, shown
+from grazing.outcome import AMBIGUOUS, ESCAPED, InputError, UserCodeError, shown
 from grazing.parameter import Parameter, in_order, real, whole
 from grazing.pool import run_tasks
 
@@ -51,6 +52,8 @@ HITS = 10_000
 SPEEDS = 200
 #: Launches of one task.
 TOGETHER = 8192
+#: Launches of one call at which a strategy looks.
+SEEN = 256
 #: Impacts that may be asked for.
 MOST = 1_000_000
 COORDINATES = {
@@ -92,7 +95,7 @@ class OfLaunches(Origin):
     together = TOGETHER
 
     def __init__(self, table: Table, own: Sequence[str]) -> None:
-        self.table = table
+        self.table, self.asks = table, asked_of(table)
         names = [*table.params, *own]
         #: Where the numbers of a launch stand in a row of parameters.
         self.where = [names.index(name) for name in (*(PLACE if len(own) == 1 else POINT), HITS_OF)]
@@ -238,6 +241,23 @@ def _flown(block: Floats, launch: tuple[float, float, int], part: Sequence[Any])
         yield
 
 
+def _watched(block: Floats, launch: tuple[float, float, int], part: Sequence[Any]) -> Iterator[None]:
+    """Fly launches at which a strategy looks, one after the other."""
+    for first in range(0, len(part[0]), SEEN):  # some at a time, so that it can be stopped
+        call(watcher(), block, *launch, *(one[first : first + SEEN] for one in part))
+        yield
+
+
+def _plays(table: Table, launch: tuple[float, float, int], parts: Sequence[Any], threads: int | None) -> bool:
+    """Fly launches at which a strategy looks, and say so; False for one that only Python follows, or that fails."""
+    try:
+        block = table.blocks(table.row(), asks=True)[0]
+        run_tasks([partial(_watched, block, launch, part) for part in parts], threads)
+    except UserCodeError:
+        return False
+    return True
+
+
 def launches(
     table: Table, point: Sequence[float] | None = None, angle: ArrayLike | None = None, speed: ArrayLike | None = None,
     hits: int = HITS, *, threads: int | None = None,
@@ -293,13 +313,18 @@ def launches(
     refuse_too_large(64 * shape[0] * shape[1], f"launch fewer than {shape[0]} x {shape[1]}")
     ways, count, outcomes = (np.empty(shape, np.int64) for _ in range(3))
     times = np.empty(shape)
-    block = table.blocks(table.row())[0]
+    launch = x, y, int(most)
     each = [grid.ravel() for grid in np.meshgrid(angles, speeds, indexing="ij")]
     flat = [*each, *(one.reshape(-1) for one in (ways, count, times, outcomes))]
     parts = [[one[first : first + TOGETHER] for one in flat] for first in range(0, len(each[0]), TOGETHER)]
-    asked = bool(table.player.drains)  # a function of the user's: one by one
-    run_tasks([] if asked else [partial(_flown, block, (x, y, int(most)), part) for part in parts], threads)
-    for i, j in np.ndindex(shape) if asked else np.argwhere(outcomes & AMBIGUOUS):
+    alone = False  # a function of the user's that is asked in Python says what is wrong for which ball
+    if isinstance(table.player, Strategy):
+        table.player.tried(table.params)
+        alone = not _plays(table, launch, parts, threads)
+    else:
+        block = table.blocks(table.row())[0]
+        run_tasks([partial(_flown, block, launch, part) for part in parts], threads)
+    for i, j in np.ndindex(shape) if alone else np.argwhere(outcomes & AMBIGUOUS):
         found = exactly(table, x, y, float(angles[i]), float(speeds[j]), int(most))
         ways[i, j], count[i, j], times[i, j], outcomes[i, j] = found
     names = np.array([*table.names, AWAY, ""])

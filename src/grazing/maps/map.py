@@ -439,7 +439,7 @@ class Map(ByValue):
         who, step, prepare, source, loop = f"the step of {self.name}", self._full_step, self.prepare, None, None
         if known.derivative is not None:  # compiled once, whatever the law or system; the same bits as the own step
             tangent, prepare, kind, rows, source, alone, loop = known.derivative(rows, arithmetic)
-            who, step = who if self._linked else f"the reset law of {self.name}", alone or stepping(tangent)
+            who, step = who if self._linked else f"{known.asks} of {self.name}", alone or stepping(tangent)
         if loop is None and prepare is None:
             loop = pointed_loop(step, kind, self.dimension, arithmetic, who)
         loop = loop or runner(step, prepare, kind, self.dimension, arithmetic)

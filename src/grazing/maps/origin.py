@@ -67,6 +67,8 @@ class Origin(ByValue):
         Orbits that are worth computing in one go, where the map knows; else 0.
     stirred : tuple of str
         Coordinates in which copies of an orbit are moved a little to part from it, in their own units; all if empty.
+    asks : str
+        Which functions of the user's a step may call, for the sentence that says that one raised.
     section : {"strobe", "impact"}, optional
         Where the map shows that oscillator, exactly; None for a map that only comes near it.
     """
@@ -88,6 +90,7 @@ class Origin(ByValue):
     together: ClassVar[int] = 0
     stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
+    asks: str = "the reset law"
 
     @property
     def finder(self) -> str:

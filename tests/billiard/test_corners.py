@@ -1,0 +1,122 @@
+"""A ball without a radius where faces meet: rounding puts it beyond ends and lines, and none of that is a way out."""
+
+from math import cos, hypot, pi, sin
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.billiard.flown import FLAGS, NEXT, OWNER, PATH, TIME, flights_of
+from grazing.outcome import AMBIGUOUS, ESCAPED, NO_IMPACT
+
+
+def beyond(corners, x, y):
+    """Return how far a place is outside a convex polygon, whose corners come counterclockwise."""
+    sides = np.roll(corners, -1, axis=0) - corners
+    off = sides[:, 1] * (x - corners[:, 0]) - sides[:, 0] * (y - corners[:, 1])
+    return float((off / np.hypot(*sides.T)).max())
+
+
+def walls(places, law):
+    """Return segments between places, each given as (begin, end)."""
+    return [gz.segment(f"s{k}", tuple(map(float, p)), tuple(map(float, q)), law) for k, (p, q) in enumerate(places)]
+
+
+def triangle(random):
+    """Return the corners of a random triangle with no angle below 6 degrees, counterclockwise."""
+    while True:
+        a, b, c = corners = random.uniform(-2.0, 2.0, (3, 2))
+        area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+        if area > 0.1 * max(hypot(*(p - q)) for p, q in ((a, b), (b, c), (c, a))) ** 2:
+            return corners
+
+
+@pytest.mark.parametrize("r", [0.0, 0.3, 0.7])
+def test_it_stays_in_a_triangle_and_on_one_side_of_a_wall_between_two_of_its_faces(r):
+    """It left through corners of less than a right angle and at the foot of the wall, certified."""
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        a, b, c = triangle(random)
+        s, u = random.uniform(0.2, 0.8, 2)
+        feet = a + s * (b - a), a + u * (c - a)
+        table = gz.table(walls([(a, b), (c, b), (c, a), feet], gz.newton(r)), tilt=1.0)
+        for room in (np.array([a, *feet]), np.array([feet[0], b, c, feet[1]])):
+            start = random.dirichlet(np.ones(len(room))) @ room
+            flights = flights_of(table, (*start.tolist(), *random.normal(0.0, 0.3, 2).tolist()), 0.0, 30.0)
+            assert max(beyond(room, *place) for place in flights[:: 1 + len(flights) // 50, NEXT : NEXT + 2]) < 1e-9
+            assert int(flights[-1, FLAGS]) & (ESCAPED | NO_IMPACT | AMBIGUOUS) == NO_IMPACT, seed
+
+
+def test_it_does_not_leave_below_an_overhanging_face_that_it_does_not_press_on():
+    """After an impact with r = 0 it flies along the face, and rounding put its foot beyond the end of the next one."""
+    p, q, o = (0.21294368931825872, 0.9878685006574627), (-0.9373660888210208, -0.8071136094486336), (
+        1.5714956057277933, -0.17886834507810187)  # fmt: skip
+    table = gz.table(walls([(p, q), (q, o), (o, p)], gz.newton(0.0)), tilt=1.0)
+    found = gz.trajectory(table, (-0.4110358020275996, -0.6290259477484619, 0.0, 0.0), until=40.0, samples=2)
+    assert found.outcome == "stays for ever" and found.trust == "certified"
+    np.testing.assert_allclose((found.x[-1], found.y[-1]), q, atol=1e-9)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.02])
+def test_it_slides_into_a_corner_and_stays(rho):
+    """With a radius, too, it was behind the second face, by less than the rounding of its coordinates."""
+    a, b, c = (-1.98, -0.31), (-2.37, -2.8), (-1.43, -2.42)
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        shift = random.uniform(-3.0, 3.0, 2)
+        places = [(np.array(p) + shift, np.array(q) + shift) for p, q in ((a, b), (b, c))]
+        table = gz.table(walls(places, gz.newton(0.0)), rho, tilt=1.0)
+        start = np.array(c) + shift + (-0.1, 0.2)
+        flights = flights_of(table, (*start.tolist(), -1.0, -0.4), 0.0, 30.0)
+        assert int(flights[-1, FLAGS]) & (ESCAPED | NO_IMPACT) == NO_IMPACT, seed
+
+
+@pytest.mark.parametrize("stem", [False, True])
+def test_it_slides_over_the_edge_of_a_roof_and_past_a_wall_below_and_hits_neither(stem):
+    """It hit the back of the face beyond the edge, or the wall that ends on the other side of its own."""
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        low, steep, edge = random.uniform(0.1, 0.5), random.uniform(0.6, 1.2), random.uniform(-2.0, 2.0, 2)
+        back, down = edge + 2.0 * np.array([-cos(low), sin(low)]), edge + 3.0 * np.array([cos(steep), -sin(steep)])
+        foot = edge + 0.7 * (back - edge)
+        places = [(back, edge), (edge, down), *([(foot, (foot[0] + 0.1, foot[1] - 1.0))] if stem else [])]
+        table = gz.table(walls(places, gz.newton(0.0)), tilt=1.0)
+        start = edge + 1.8 * np.array([-cos(low), sin(low)]) + (0.0, 0.1)
+        flights = flights_of(table, (*start.tolist(), 0.0, 0.0), 0.0, 1.2)
+        assert [int(one) for one in flights[:, OWNER] if one >= 0][:1] == [0]
+        assert set(flights[:, OWNER].tolist()) <= {-1.0, 0.0, 1.0}
+        later = flights[-1, NEXT : NEXT + 2] if flights[-1, TIME] < np.inf else edge
+        assert beyond(np.array([back, edge, down])[::-1], *later) > -1e-9
+
+
+def test_thrown_into_a_corner_of_a_ceiling_it_falls_out_of_it():
+    """Hits of no time took its speed to 1e-300 and never to 0: it hung there until the budget was spent."""
+    table = gz.table(walls([((-1, 0), (0, 1)), ((0, 1), (0.4, 0)), ((-3, -4), (3, -4))], gz.newton(0.0)), tilt=1.0)
+    flights = flights_of(table, (0.0, -1.0, 0.0, 3.0), 0.0, 30.0)
+    assert len(flights) < 300
+    np.testing.assert_allclose(flights[-1, NEXT + 1], -4.0)
+
+
+def test_in_a_narrow_corner_it_comes_to_rest():
+    for angle in (0.03, 0.1, pi / 4):
+        ends = [(-2.0 * cos(0.3 + more), 2.0 * sin(0.3 + more)) for more in (0.0, angle)]
+        table = gz.table(walls([(ends[0], (0, 0)), ((0, 0), ends[1])], gz.newton(0.3)), tilt=1.0)
+        middle = -cos(0.3 + angle / 2), sin(0.3 + angle / 2)
+        flights = flights_of(table, (*middle, 0.0, 0.0), 0.0, 60.0)
+        assert int(flights[-1, FLAGS]) & (ESCAPED | NO_IMPACT) == NO_IMPACT and flights[-1, PATH] >= 0.0
+        assert hypot(*flights[-1, NEXT : NEXT + 2]) < 1e-9
+
+
+def test_shot_exactly_into_a_corner_it_does_not_pass_between_both_faces():
+    """Beyond the ends of both by rounding, in exact arithmetic, it left certified."""
+    doubtful = 0
+    for seed in range(12):
+        corners = triangle(np.random.default_rng(seed))
+        a, b, c = corners
+        table = gz.table(walls([(a, b), (c, b), (c, a)], gz.newton(0.5)), tilt=1.0)
+        start, half = corners.mean(axis=0), np.array([0.0, 0.5 * table.gravity])
+        for corner in corners:
+            flights = flights_of(table, (*start.tolist(), *(corner - start + half).tolist()), 0.0, 2.0)
+            assert not int(flights[-1, FLAGS]) & ESCAPED, seed
+            doubtful += any(int(flags) & AMBIGUOUS for flags in flights[:, FLAGS])
+    assert doubtful > 3
