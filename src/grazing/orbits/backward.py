@@ -24,7 +24,7 @@ from grazing.oscillator.contact import next_contact, placed
 from grazing.oscillator.departure import FLIES, departure_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import POINTED, flight_kind, pointed_law, pointed_model
+from grazing.oscillator.pointed import POINTED, Pointed, flight_kind, pointed_law, pointed_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
 from grazing.parameter import parameters
 
@@ -110,14 +110,14 @@ def climber(harmonics: int) -> Callable[..., None]:
     return compiled(climb)
 
 
-def impacts_before(model: Oscillator, phase: float, w: Floats) -> Floats:
+def impacts_before(model: Oscillator, numbers: Pointed, w: Floats) -> Floats:
     """Return the speeds of impact, > 0, from which the reset law makes the departures w > 0.
 
     Parameters
     ----------
     model : Oscillator
-    phase : float
-        Of the section.
+    numbers : Pointed
+        Those of the model, seen at the phase of the section.
     w : ndarray, shape (n,)
 
     Returns
@@ -137,14 +137,13 @@ def impacts_before(model: Oscillator, phase: float, w: Floats) -> Floats:
             speeds[speeds[:, 0] >= p.trigger, 0] = np.nan
             speeds[speeds[:, 1] < p.trigger, 1] = np.nan
         return np.where(speeds > 0.0, speeds, np.nan)
-    numbers, speeds = pointed_model(model, phase), np.full((len(w), BRANCHES), np.nan)
+    speeds = np.full((len(w), BRANCHES), np.nan)
     call(climber(model.harmonics), numbers.row, np.ascontiguousarray(w), speeds, who=f"the reset law {law.name}")
     return np.where(speeds > 0.0, speeds, np.nan)
 
 
-def flown_back(model: Oscillator, phase: float, lines: Floats) -> None:
+def flown_back(model: Oscillator, numbers: Pointed, lines: Floats) -> None:
     """Fly every line, shape (n, 4), back to the contact before or to the beginning of the period."""
-    numbers = pointed_model(model, phase)
     call(flyer(model.harmonics), numbers.row, lines, who="the flight backwards")
 
 
