@@ -16,8 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map, swift
-from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before
-from grazing.oscillator.pointed import pointed_model
+from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, Seen, flown_back, impacts_before
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -139,7 +138,7 @@ class Backwards:
     def __init__(self, P: Map, ray: Ray, sides: Floats) -> None:
         assert P.model is not None
         self.map, self.model, self.ray, self.sides = swift(P), P.model, ray, sides
-        self.numbers = pointed_model(P.model, P.params["phase"])
+        self.seen = Seen.at(P.model, P.params["phase"])
 
     def further(self, leaves: Leaves, n: int) -> Leaves:
         """Return every state from which n steps of the map lead to one of the points."""
@@ -179,13 +178,13 @@ class Backwards:
         origin, code = np.arange(len(one.state)), one.code
         done = []
         for count in range(MAX_IMPACTS + 1):
-            flown_back(self.model, self.numbers, lines)
+            flown_back(self.seen, lines)
             hit = lines[:, HIT] > 0.0
             ended = lines[~hit]
             state = np.column_stack([ended[:, HEIGHT] + sigma, -ended[:, CLIMB]])
             done.append(Flown(origin[~hit], code[~hit], state, np.full(len(ended), count)))
             lines, origin, code = lines[hit], origin[hit], code[hit]
-            speeds = impacts_before(self.model, self.numbers, -lines[:, CLIMB])
+            speeds = impacts_before(self.seen, -lines[:, CLIMB])
             i, branch = np.nonzero(speeds > 0.0)
             if len(i) == 0:
                 break
