@@ -328,6 +328,20 @@ def test_the_symmetry_of_the_impact_pair_breaks_where_the_closed_form_says(r):
         assert any(x.type == "bp" and x.value == pytest.approx(broken.value, abs=1e-12) for x in back.special)
 
 
+def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_parameter():
+    phi = np.pi - np.arctan(2.0 * 1.3 / (np.pi * 0.7))
+    edge = (0.5 * np.pi**2 - 2.0) * np.sin(phi)
+    model = impact_pair(0.3, 1.1 * edge)
+    (orbit,) = (one for one in in_turn(model) if one.stable)
+    bounds = 0.4 * edge, 0.6 * edge
+    (broken,) = gz.continuation(gz.stroboscopic_map(model), orbit, "B.sigma", bounds).special
+    (one,) = gz.continuation(orbit.map, broken, "B.sigma", bounds).at(broken.value - 0.0003)[:1]
+    for width in (0.003, 0.001):  # Newton's method failed 1e-9 before it: nothing was found
+        back = gz.continuation(one.map, one, "B.sigma", (broken.value - width, broken.value + 0.5 * width), step=0.01)
+        (again,) = (special for special in back.special if special.type == "bp")
+        assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12) and back.complete
+
+
 def test_orbits_of_a_symmetric_model_are_found_with_their_images():
     law = gz.newton(0.7)
     m = gz.Oscillator(

@@ -206,6 +206,7 @@ class Pieces:
                 ends = ends if good else None
             else:
                 x, p, ends = evened(equations, x, p)
+                path.events[number] = i, event._replace(converged=ends is not None)
             if ends is not None:
                 point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))
                 path.points[i] = point

@@ -138,6 +138,10 @@ class Equations(ABC):
         """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same."""
         return None
 
+    def image(self, x: Floats, p: Floats) -> Floats | None:
+        """Return the mirror image of an orbit; None where they cannot be the same."""
+        return None
+
     def even(self) -> EvenEquations | None:
         """Return the equations of the orbits that are their own mirror images; None where there are none."""
         return None

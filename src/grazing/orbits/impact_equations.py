@@ -281,6 +281,14 @@ class ImpactEquations(FlightEquations):
         model = self.model_at(p)
         return self.uneven(x, self.period_at(p)) if model.symmetric else None
 
+    def image(self, x: Floats, p: Floats) -> Floats | None:
+        """Return the mirror image of an orbit, begun at the impact that the first one is to it; None as above."""
+        apart, h = self.mirrored(x, p), self.n // 2
+        if apart is None:
+            return None
+        moves = np.concatenate([apart[:h], -apart[:h], apart[h:], -apart[h:]])
+        return np.asarray(x + moves * self.scale)
+
     def even(self) -> EvenEquations:
         """Return the equations of the orbits that are their own mirror images."""
         return EvenEquations(self)
