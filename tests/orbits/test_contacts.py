@@ -328,6 +328,20 @@ def test_the_symmetry_of_the_impact_pair_breaks_where_the_closed_form_says(r):
         assert any(x.type == "bp" and x.value == pytest.approx(broken.value, abs=1e-12) for x in back.special)
 
 
+def test_at_a_branch_point_the_other_branch_is_followed_and_not_the_same_one():
+    # there the derivative does not tell the branches apart: rounding chose, and led on along the symmetric one
+    walls = [gz.wall(x, gz.newton(0.3)) for x in (-0.5, 0.5)]
+    m = gz.Oscillator(alpha=0.1, k=1.0, forcing=gz.Forcing(omega=1.9, cos=(1.5,)), walls=walls)
+    equations = ImpactEquations(m, (), 1, (0, PIECES))
+    x = np.array([[1.93051, 1.93051 + 0.5 * m.period, 0.41545, 0.41545]])
+    equations.solve(x, NOTHING)
+    orbit = equations.orbit(x[0], NOTHING)
+    branch = gz.continuation(orbit.map, orbit, "cos1", (1.4, 2.4))
+    (broken,) = (one for one in branch.special if one.type == "bp")
+    both = gz.continuation(orbit.map, broken, "cos1", (1.4, 2.4)).pieces[:2]
+    assert broken.orbit.symmetric and not any(one.symmetric for piece in both for one in piece.orbits[2:])
+
+
 def test_orbits_of_a_symmetric_model_are_found_with_their_images():
     law = gz.newton(0.7)
     m = gz.Oscillator(

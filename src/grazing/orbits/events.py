@@ -183,6 +183,8 @@ def located(
         equations.pieced and where != HALVES and not abs(rest) <= VANISHED
     ):  # next to an infinite slope all else is small
         return None
+    if type == "bp":  # there the derivative does not tell one branch from the other
+        point = point._replace(tangent=along)
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 
 

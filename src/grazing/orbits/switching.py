@@ -170,10 +170,8 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
     if special.type == "pd":
         across = other[-1] * one - one[-1] * other
     else:
-        ahead = tangent_of(wide, special.direction if special.direction is not None else one)
-        across = (
-            other - (other @ ahead) * ahead if abs(other @ ahead) < abs(one @ ahead) else one - (one @ ahead) * ahead
-        )
+        ahead = special.direction if special.direction is not None else one
+        across = (ahead @ one) * other - (ahead @ other) * one
     across = across / np.linalg.norm(across)
     seeds = []
     for direction in (across,) if special.type == "pd" else (across, -across):
