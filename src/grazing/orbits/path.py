@@ -28,7 +28,7 @@ SHORTEST, FIRST = 1e-9, 1e-3
 #: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
 FINEST = 2e-16
 #: Cosine of the largest angle between a tangent and the way to the mirror image that it leads to.
-TOWARDS = 0.7
+TOWARDS = 0.5
 #: Steps, taken or not, for each point of a path that is allowed, and the fewest of a path, after which it is given up.
 TRIES, FEWEST = 20, 2000
 #: Part of the way to the end of a piece, as the tangent tells it, that is taken at once.

@@ -24,9 +24,9 @@ def ordered(values: ArrayLike) -> tuple[Floats, NDArray[np.intp]]:
 
 def axes_along(ax: Axes | None, width: float, height: float, *values: ArrayLike) -> Axes:
     """Return the axes given, or those of a new figure: logarithmic along x, or y, where its values are spaced so."""
-    if ax is not None:
+    new, ax = ax is None, axes(ax, width, height)
+    if not new:
         return ax
-    ax = axes(None, width, height)
     for change, spaced in zip((ax.set_xscale, ax.set_yscale), map(is_geometric, values), strict=False):
         if spaced:
             change("log")
