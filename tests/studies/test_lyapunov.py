@@ -476,3 +476,15 @@ def test_an_exponent_of_a_cycle_has_no_statistical_error():
     assert (found.exponent_error.values == 0.0).all()
     one = lyapunov(LOGISTIC.replace(**{name: 4.0 for name in LOGISTIC.params}), starts=2, steps=1)
     assert np.isnan(one.exponent_error.values).all()
+
+
+def test_a_cycle_that_repels_is_ambiguous_when_rounding_leads_an_orbit_to_it():
+    def doubling(x, p):
+        return ((2.0 * x[0]) % 1.0, p.c * x[1] if x[0] < 0.5 else 1.0 - p.d + p.d * x[1])
+
+    P = gz.Map(doubling, params={"c": 0.2, "d": 0.4}, box=((0.0, 1.0), (0.0, 1.0)), coordinates=("x", "y"))
+    found = lyapunov(P, starts=3)  # after 53 steps all bits are gone; log 0.2 is not the exponent of any other orbit
+    assert (found.trust.values == 2).all()
+    line = gz.Map(lambda x, p: ((2.0 * x[0]) % 1.0,), box=((0.0, 1.0),))
+    assert (lyapunov(line, starts=3).trust.values == 2).all()
+    assert (lyapunov(LOGISTIC, "a", [3.2, 3.9], starts=3).trust.values < 2).all()  # attracted, and chaotic

@@ -150,7 +150,7 @@ class Search:
             raise GrazingError(f"the limit of {self.points} points was reached")
         work = Work(min(self.left, max(int(SHARE * self.points), 2)), self._spent)
         branch = followed(P, orbit, self.name, self.bounds, STEP, LIMIT, work)
-        self.cut += not branch.complete
+        self.cut += branch.cut
         return branch
 
     def _spent(self, points: int) -> None:

@@ -76,13 +76,26 @@ class Branch(ByValue):
             or "no special point"
         )
         words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self)), 8)
-        rest = "" if self.complete else "; unfinished: the limit of points was reached"
+        rest = f"; unfinished: {self.unfinished}" if self.unfinished else ""
         return f"<Branch of {words} in {self.parameter} [{low:g}, {high:g}]: {names}{rest}>"
 
     @property
     def complete(self) -> bool:
-        """Whether it was followed to its ends: neither a piece nor the branch has reached the limit of its points."""
-        return self.unfollowed == 0 and not any("limit" in piece.ends for piece in self.pieces)
+        """Whether it was followed to its ends: neither was a limit of points reached, nor a piece lost."""
+        return not self.unfinished
+
+    @property
+    def cut(self) -> bool:
+        """Whether a piece or the branch has reached the limit of its points."""
+        return self.unfollowed > 0 or any("limit" in piece.ends for piece in self.pieces)
+
+    @property
+    def unfinished(self) -> str:
+        """Why it was not followed to its ends; empty if it was."""
+        if self.cut:
+            return "the limit of points was reached before the end of the branch"
+        lost = any("lost" in piece.ends for piece in self.pieces)
+        return "where a piece is lost, Newton's method finds no next point; what is beyond is not known" if lost else ""
 
     def __iter__(self) -> Iterator[Orbit]:
         for piece in self.pieces:
@@ -152,7 +165,8 @@ def continuation(
     -------
     Branch
         Pieces, special points with brackets, relabellings. Virtual orbits are followed too, and marked. What was found
-        when a limit was reached is kept, and ``branch.complete`` is False.
+        when a limit was reached or a piece was lost is kept; ``branch.complete`` is False then, and
+        ``branch.unfinished`` says why.
 
     Raises
     ------

@@ -175,7 +175,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         "ends": json.dumps([list(piece.ends) for piece in branch.pieces]),
         "coordinate_names": json.dumps(list(coordinates)),
         "arithmetic": "strict",
-        **({} if branch.complete else {"unfinished": "the limit of points was reached before the end of the branch"}),
+        **({"unfinished": branch.unfinished} if branch.unfinished else {}),
         **P.origin.attributes,
     }
     return xr.Dataset(table, attrs=attributes)

@@ -13,8 +13,9 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.corrector import STEPS, Point, advanced, at_value, point_at, unscaled
+from grazing.orbits.corrector import STEPS, Point, advanced, at_value, linearised, point_at, tangent_of, unscaled
 from grazing.orbits.equations import Ending, Equations
+from grazing.orbits.even_equations import EVEN
 from grazing.orbits.events import HALVES, Event, between
 from grazing.orbits.one_sided import EPS
 
@@ -26,6 +27,8 @@ STRAIGHT = 0.97
 SHORTEST, FIRST = 1e-9, 1e-3
 #: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
 FINEST = 2e-16
+#: Cosine of the largest angle between a tangent and the way to the mirror image that it leads to.
+TOWARDS = 0.7
 #: Steps, taken or not, for each point of a path that is allowed, and the fewest of a path, after which it is given up.
 TRIES, FEWEST = 20, 2000
 #: Part of the way to the end of a piece, as the tangent tells it, that is taken at once.
@@ -117,13 +120,17 @@ def follow(
                 end = Point(ahead, here.tangent, ())
                 there = at_value(equations, here, end, min(max(float(ahead[-1]), low), high))
                 there = there if there is not None and np.linalg.norm(there.z - here.z) <= 2.0 * h else None
+        image = reflected(equations, here, h) if there is None else None
+        if image is not None:
+            there, h = image, float(np.linalg.norm(image.z - here.z))
         if equations.pieced and over(equations, here, there, h):
             there, met, left = last(equations, here, h, left)
             h, steps = min(h, FIRST), STEPS
             if met is None and there is here:
                 path.ended = "lost"
                 return path
-        if there is None or (met is None and float(there.tangent @ here.tangent) < STRAIGHT):
+        turned = there is not None and image is None and float(there.tangent @ here.tangent) < STRAIGHT
+        if there is None or (met is None and turned):
             if h <= SHORTEST:
                 if there is None:
                     path.ended = "lost"
@@ -178,6 +185,22 @@ def follow(
         h = min(step, h * (1.6 if steps <= 3 else (1.2 if steps <= 4 else 0.8)))
     path.ended = "limit"
     return path
+
+
+def reflected(equations: Equations, here: Point, h: float) -> Point | None:
+    """Return the mirror image of a point that is nearly its own one, if the path leads there and a step h does not.
+
+    In between the path crosses the orbits that are their own mirror images. Its equations are singular there, and
+    Newton's method fails next to it in a narrow range, in which the parameter's rounding is a long way.
+    """
+    x, p = unscaled(equations, here.z)
+    for image in equations.reflections(x, p):
+        z = np.concatenate([image / equations.scale, here.z[len(x) :]])
+        chord = z - here.z
+        length = float(np.linalg.norm(chord))
+        if h <= length <= EVEN and here.tangent @ chord >= TOWARDS * length:
+            return Point(z, tangent_of(linearised(equations, z)[1], chord / length), equations.tests(image, p))
+    return None
 
 
 def on_piece(equations: Equations, z: Floats) -> NDArray[np.bool_]:

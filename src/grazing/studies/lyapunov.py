@@ -17,8 +17,8 @@ from grazing.maps.map import Map
 from grazing.outcome import InputError
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
-from grazing.studies.classify import ENDED, settled_columns
-from grazing.studies.growth import sides_of, stretcher, turned
+from grazing.studies.classify import AMBIGUOUS_TRUST, ENDED, settled_columns
+from grazing.studies.growth import SMALL, sides_of, stretcher, turned
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
 
@@ -41,6 +41,8 @@ BATCHES = 20
 ROUNDING = 32 * np.finfo(float).eps
 #: What rounding may add to every step's logarithm where derivatives are differences.
 ROUNDED = np.finfo(float).eps / STEP
+#: Logarithm of a multiplier above which a cycle repels: an orbit is on it only to rounding, as 2 x mod 1 comes to 0.
+REPELS = 1e-6
 #: A step with its derivative takes about so many times as long as one without.
 SLOWER = 10
 #: Steps of a tile, over all its orbits.
@@ -87,7 +89,8 @@ def lyapunov(
         the steps, which holds as far as an orbit forgets within a batch, and not a number beside what is not finite.
         Where derivatives are differences 4e-11 is added for rounding.
         For a map of a model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name,
-        "start"): ``period``, ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`.
+        "start"): ``period``, ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`. An orbit on a
+        cycle that repels is *ambiguous*: rounding has put it there, as 2 x mod 1 takes every double to 0, or holds it.
 
     References
     ----------
@@ -154,8 +157,16 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
             many = settled.period[part] if settled.period[part][0] > 0 else None
             seen = found.points[q, -1, :, j], found.letters[q, :, j]
             yield from _measure(P, rows[q], *seen, many, steps, part, arrays)
+    repels = arrays["exponent"][..., 0] * np.maximum(settled.period, 1) > REPELS
+    arrays["trust"][repels & ((settled.period > 0) | back(found.points, sides_of(P)))] = AMBIGUOUS_TRUST
     if P.origin.clock is not None:
         arrays["exponent_per_time"][...] = arrays["exponent"] / arrays["return_time"][..., None]
+
+
+def back(points: Floats, sides: Floats) -> NDArray[np.bool_]:
+    """Return whether orbits, points (columns, keep, dim, starts), come back to their last points but for rounding."""
+    apart = np.abs(points[:, :-1] - points[:, -1:]) / sides[:, None]
+    return np.asarray((apart <= SMALL).all(axis=2).any(axis=1))
 
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
