@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.billiard.flown import FLAGS, NEXT, OWNER, PATH, TIME, flights_of
+from grazing.billiard.flown import BEFORE, FLAGS, NEXT, OWNER, PATH, TIME, flights_of
 from grazing.outcome import AMBIGUOUS, ESCAPED, NO_IMPACT
 
 
@@ -120,3 +120,62 @@ def test_shot_exactly_into_a_corner_it_does_not_pass_between_both_faces():
             assert not int(flights[-1, FLAGS]) & ESCAPED, seed
             doubtful += any(int(flags) & AMBIGUOUS for flags in flights[:, FLAGS])
     assert doubtful > 3
+
+
+SHOTS = [  # corners counterclockwise, sides given from their second end, r, start and velocity
+    ([(0.5704744763599111, 1.2580493480184554), (0.4959996539561975, 0.7226350938851012),
+      (2.130577445955101, 1.6205354613045537), (-0.7451775942567456, 2.7599701743897644)], (), 1.0,
+     (0.42547791651871325, 1.816136716635435, 0.16126256038158177, -0.24239736371294174)),
+    ([(998.8464294648443, 998.4229737245475), (1000.2266631241606, 998.0147299132295),
+      (1002.2817092112176, 997.5439745142411), (1001.9610823955168, 997.9112801319508),
+      (1001.7748017094945, 998.8458702587104)], (1, 4), 0.7,
+     (1001.5245051533362, 998.4683976661589, 0.9024761955127519, -0.9481197547425219)),
+    ([(999.9615145576389, 1003.2156420776753), (998.4000183239912, 999.155866506316),
+      (999.528346807178, 998.0776051968386), (1002.6522647083751, 998.5637681656134)], (0, 1, 3), 0.3,
+     (1000.2746145327907, 999.1968907780066, -0.5025595289292133, -0.12899673783741472)),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize(("corners", "turned", "r", "state"), SHOTS)
+def test_at_a_corner_it_hits_the_face_in_front_not_the_back_of_the_other_one(corners, turned, r, state):
+    """Past the edge that stands into the room by rounding it hit a face from outside; so it did far from the origin."""
+    places = list(zip(corners, [*corners[1:], corners[0]], strict=True))
+    places = [(q, p) if k in turned else (p, q) for k, (p, q) in enumerate(places)]
+    flights = flights_of(gz.table(walls(places, gz.newton(r)), tilt=1.0), state, 0.0, 10.0)
+    assert not int(flights[-1, FLAGS]) & ESCAPED
+
+
+@pytest.mark.parametrize("r", [0.0, 0.7])
+def test_where_three_faces_meet_it_does_not_hit_the_one_behind_another(r):
+    """Sliding down into the corner of a room, and flying from one of its sides there, it hit the wall outside."""
+    for seed in range(8):
+        random = np.random.default_rng(seed)
+        a, b, c = corners = triangle(random)
+        low = corners[:, 1].argmin()
+        angle, tip = random.uniform(0.0, 2.0 * pi), corners[low]
+        outer = tip + 0.1 * np.array([cos(angle), sin(angle)])
+        if beyond(corners, *outer) < 0.0:
+            outer = 2.0 * tip - outer
+        table = gz.table(walls([(tip, outer), (a, b), (b, c), (c, a)], gz.newton(r)), tilt=1.0)
+        flights = flights_of(table, (*corners.mean(axis=0).tolist(), 0.1, 0.0), 0.0, 30.0)
+        assert int(flights[-1, FLAGS]) & (ESCAPED | NO_IMPACT) == NO_IMPACT, seed
+        np.testing.assert_allclose(flights[-1, NEXT : NEXT + 2], tip, atol=1e-9)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.2])
+def test_thrown_into_any_notch_of_a_ceiling_it_falls_out_of_it(rho):
+    """With a radius, or between discs, hits of no time went on to the budget."""
+    faces = walls([((-1, 0), (0, 1)), ((0, 1), (0.4, 0)), ((-3, -4), (3, -4))], gz.newton(0.0))
+    flights = flights_of(gz.table(faces, rho, tilt=1.0), (0.0, -1.0, 0.01, 3.0), 0.0, 30.0)
+    assert len(flights) < 300 and abs(flights[-1, NEXT + 1] + 4.0 - rho) < 1e-9
+    discs = [gz.disc(name, (x, 0), 0.9, gz.newton(0.0)) for name, x in (("a", -1), ("b", 1))]
+    flights = flights_of(gz.table(discs, 0.2, tilt=1.0), (0.001, -2.0, 0.01, 3.0), 0.0, 30.0)
+    assert len(flights) < 300 and int(flights[-1, FLAGS]) & ESCAPED
+
+
+def test_the_budget_counts_impacts_alone():
+    """Slides and flights without an impact counted, too, so that launches decided exactly ended earlier than others."""
+    floor = walls([((0, 0), (3, 0)), ((3, -1), (5, -1))], gz.newton(0.0))
+    flights = flights_of(gz.table(floor, tilt=1.0), (1.0, 0.5, 1.0, 0.0), 0.0, 30.0, 3)
+    impacts = np.flatnonzero(~np.isnan(flights[:, BEFORE]))
+    assert len(impacts) == 2 < 3 < len(flights) and int(flights[-1, FLAGS]) & ESCAPED

@@ -136,7 +136,7 @@ def test_a_face_that_is_passed_is_not_met():
             random.choice([0, 1.0]),
         )
         ex, ey, end = cos(turn), sin(turn), random.choice([0.1, 1.0, 3.0])
-        if not passes((dx, dy), (vx, vy), (ex, ey, size, long), g, 0.0, 1.0, -1.0, end):
+        if not passes((dx, dy), (vx, vy), (ex, ey, size, long), g, 0.0, 1.0, -1.0, end, 0.0):
             continue
         t = np.linspace(0.0, end, 400)
         x, y = dx + vx * t, dy + (vy - 0.5 * g * t) * t

@@ -133,6 +133,22 @@ def cleared(
     return x, y, reach, beside
 
 
+@inlined
+def falls_out(surface: int, left: int, v: Any, after: Any, clock: float, table: Any) -> Any:
+    """Say whether gravity pulls a ball off what it hits and what it left, while it is on both up to rounding.
+
+    So it is in a notch of a ceiling, where hits of no time take its speed to 0, and it falls out.
+    """
+    (x, y, vx, vy), g = after, table[GRAVITY]
+    fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
+    if left < 0 or not fast <= SLOW * g * (abs(x) + abs(y) + table[LENGTH]):
+        return False
+    here, there = element(surface, clock, table), element(left, clock, table)
+    width = width_of(here, x, y) + width_of(there, x, y)
+    hangs = normal_of(here, x, y)[1] < 0.0 and normal_of(there, x, y)[1] < 0.0
+    return hangs and fast <= 2.0 * g * width and abs(gap_of(there, x, y)) <= width
+
+
 @unit
 def at_foot(
     surface: int, left: int, now: float, x: float, y: float, v: Any, after: Any, normal: Any, clock: float, table: Any
@@ -145,6 +161,8 @@ def at_foot(
     px, py, reach, wall = cleared(surface, left, x, y, v[0], v[1], clock, table)
     g, (_x, _y, vx, vy), (nx, ny) = table[GRAVITY], after, normal
     fast = vx * vx + vy * vy
+    if wall < 0 and falls_out(surface, left, v, after, clock, table):
+        return now, (x, y, 0.0, 0.0)
     if wall < 0 or not fast > 0.0:
         return now, (px, py, vx, vy)
     if fast > 4.0 * g * reach:

@@ -159,7 +159,8 @@ def rises(line: Any, x: float, y: float, nx: float, ny: float) -> Any:
 def shares_end(el: Any, other: Any, x: float, y: float, width: float) -> Any:
     """Say whether the nearer end of an element is on another one."""
     more, less = to_end(el, x, y, 1.0), to_end(el, x, y, -1.0)
-    ex, ey = along(el, x, y, 1.0 if more < less else -1.0, min(more, less, MOST))
+    (nx, ny), gap = normal_of(el, x, y), gap_of(el, x, y)  # the ball is on it up to rounding
+    ex, ey = along(el, x - gap * nx, y - gap * ny, 1.0 if more < less else -1.0, min(more, less, MOST))
     return min(more, less) < MOST and abs(gap_of(other, ex, ey)) <= width and holds(other, ex, ey, width)
 
 

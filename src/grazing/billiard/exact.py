@@ -17,13 +17,14 @@ from flint import fmpq, fmpq_poly
 from numpy.typing import NDArray
 
 from grazing.billiard.faces import beside_face, body_of, closing, face_corner, slack_of
+from grazing.billiard.joints import at_joints, bare
 from grazing.billiard.march import beside_circle, side_corner
 from grazing.billiard.roots import (
     SHARE,
     Gap,
     Root,
     Undecided,
-    at,
+    beside,
     exact,
     inside,
     joined,
@@ -82,15 +83,13 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
             within = foot, fmpq_poly([exact(row[LONG])]) - foot
             bare, slack = left >= 0 and left // 2 != i and row[SIZE] == 0.0, slack_of(row, x0, y0)
-            corner, way = face_corner(row, x0, y0, vx0, vy0, left, faces, circles, rows) if bare else (False, 0.0)
+            corner, way = face_corner(i, x0, y0, vx0, vy0, left, faces, circles, rows) if bare else (False, 0.0)
             for side, sign in enumerate((-1, 1)):
                 surface = 2 * i + side
                 if (corner and sign * way < 0.0) or (slid and beside_face(row, float(sign), *state)):
                     continue
                 if corner:
                     off -= off[0]
-                    if sign * off[2] > 0 and off[1] ** 2 <= sign * off[2] * exact(slack):
-                        continue
                 fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
                 seen = closed(within, row, float(sign), corner, slack, left, faces, circles, rows) if bare else within
                 yield made(surface, owner, sign * off - size, seen, fresh, spread)
@@ -121,7 +120,8 @@ def closed(
 
     def shut(far: int) -> fmpq:
         here = corner and abs(within[far][0]) <= exact(slack)
-        return exact(slack * closing(left, faces, circles, rows, row, sign, float(far), here, slack))
+        side = closing(left, faces, circles, rows, row, sign, float(far), here, slack)
+        return exact(slack * (side if side > 0.0 else 2.0 * side))  # where it is not, it is not near either
 
     return within[0] + shut(0), within[1] + shut(1)
 
@@ -164,44 +164,33 @@ def exact_contact(
     for bits in BITS:
         with precision(bits):
             try:
-                return _first(gaps, turning, last=bits == BITS[-1])
+                return _first(gaps, turning, state, block, last=bits == BITS[-1])
             except (Undecided, OverflowError):  # so large that it is infinite in doubles
                 continue
     raise Undecided
 
 
-def crack(one: Root, other: Root) -> bool:
-    """Say whether a ball comes down to two faces where both end, and beyond both ends by rounding only."""
-    gap, slack = other.gap, exact(SHARE * other.gap.size)
-    assert gap.h is not None
-    ends = [at(end, root.t) + exact(SHARE * root.gap.size) > 0 for root in (one, other) for end in root.gap.within]
-    return all(ends) and bool(abs(at(gap.h, one.t)) < slack)
-
-
 def _first(
-    gaps: list[Gap], turning: Callable[[float, bool], Iterator[Root]], last: bool
+    gaps: list[Gap], turning: Callable[[float, bool], Iterator[Root]], state: tuple[float, ...], block: Floats,
+    last: bool,
 ) -> tuple[int, float, int]:  # fmt: skip
     hits: list[Root] = []
     touches: list[Root] = []
-    missed: list[Root] = []
-    flags = OK
+    near: list[Root] = []
     for gap in gaps:
         for root in roots_of(gap):
             where = inside(root)
             if where == 0 and not last:
                 raise Undecided
+            if not root.touch and gap.within and bare(gap.surface, block) and beside(root):
+                near.append(root)
             if where >= 0:
                 (touches if root.touch else hits).append(root)
                 if not root.touch:
                     break
-            elif not root.touch and len(gap.within) == 2:
-                missed.append(root)
         hits += joined(gap)
-    through = [one for one in missed if any(one.gap.surface // 2 != other.gap.surface // 2 and crack(one, other)
-               for other in missed)]  # fmt: skip
-    if through:  # that it misses both ends by rounding is no way between them
-        hits += through
-        flags |= AMBIGUOUS
+    hits, unsure = at_joints(near, hits, state, block) if len(near) > 1 else (hits, False)
+    flags = AMBIGUOUS if unsure else OK
     end = min((nextafter(float(one.t.upper()), inf) for one in hits), default=inf)
     for root in turning(end, last):
         (touches if root.touch else hits).append(root)

@@ -97,6 +97,60 @@ def closing(
 
 
 @inlined
+def from_end(row: Any, x: float, y: float, e: float) -> Any:
+    """Return the direction in which a face goes on from a place at which it ends, (0, 0) if it does not end there."""
+    dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
+    foot = ex * dx + ey * dy
+    ends = (1.0 if abs(foot) <= e else 0.0) - (1.0 if abs(foot - row[LONG]) <= e else 0.0)
+    ends = ends if abs(ey * dx - ex * dy) <= e else 0.0
+    return ends * ex, ends * ey
+
+
+@unit
+def covered(i: int, last: int, x: float, y: float, a: Any, n: Any, faces: int, rows: Any) -> Any:
+    """Say whether another face lies between a face, where both end, and the way ``a`` on a surface with a normal ``n``.
+
+    A ball without a radius that comes this way, or leaves that surface, meets the other one first.
+    """
+    mine = behind(rows, WIDTH * i)
+    bx, by = from_end(mine, x, y, slack_of(mine, x, y))
+    if bx == 0.0 and by == 0.0:
+        return False
+    turned = turned_from(a, n, bx, by)
+    for j in range(faces):
+        row = behind(rows, WIDTH * j)
+        cx, cy = from_end(row, x, y, slack_of(row, x, y))
+        other = j != i and j != last // 2 and (cx != 0.0 or cy != 0.0)
+        if other and turned_from(a, n, cx, cy) < turned - RISES:
+            return True
+    return False
+
+
+@unit
+def shut_off(i: int, last: int, x: float, y: float, faces: int, circles: int, rows: Any) -> Any:
+    """Say whether a face is :func:`covered` to a ball that left a surface where that ends, too."""
+    if last >= 2 * faces and last < 2 * faces + circles:
+        return False
+    left = behind(rows, WIDTH * (last // 2 if last < 2 * faces else last - faces))
+    dx, dy, e = x - left[PX], y - left[PY], slack_of(left, x, y)
+    ax, ay = from_end(left, x, y, e)
+    sign = 2.0 * (last % 2) - 1.0
+    nx, ny = sign * left[EY], -sign * left[EX]
+    if last >= 2 * faces:
+        far, on = left[SIGN] * sqrt(dx * dx + dy * dy), left[MX] * dx + left[MY] * dy - left[COSINE] * left[SIZE] <= e
+        nx, ny, turn = dx / far, dy / far, left[SIGN] if left[MX] * dy - left[MY] * dx < 0.0 else -left[SIGN]
+        ax, ay = (-turn * ny, turn * nx) if on else (0.0, 0.0)
+    return (ax != 0.0 or ay != 0.0) and covered(i, last, x, y, (ax, ay), (nx, ny), faces, rows)
+
+
+@inlined
+def turned_from(a: Any, n: Any, bx: float, by: float) -> Any:
+    """Return how far a direction is turned from another one over its normal: from 0 for not at all to 4 for once."""
+    along = a[0] * bx + a[1] * by
+    return 1.0 - along if n[0] * bx + n[1] * by >= 0.0 else 3.0 + along
+
+
+@inlined
 def slack_of(row: Any, x: float, y: float) -> Any:
     """Return within what a ball without a radius is at the line or at an end of a face."""
     return CORNER * GAP * EPS * (abs(x) + abs(y) + abs(x - row[PX]) + abs(y - row[PY]) + row[LONG])
@@ -104,21 +158,26 @@ def slack_of(row: Any, x: float, y: float) -> Any:
 
 @unit
 def face_corner(
-    row: Any, x: float, y: float, vx: float, vy: float, last: int, faces: int, circles: int, rows: Any
+    i: int, x: float, y: float, vx: float, vy: float, last: int, faces: int, circles: int, rows: Any
 ) -> Any:  # fmt: skip
     """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-.
 
-    It is on the side on which the body is of what it left; if the face falls away from that, on the other one.
+    It is on the side on which the body is of what it left; if the face falls away from that, on the other one; and on
+    that to which it flies, if another face lies between both.
     """
+    row = behind(rows, WIDTH * i)
     dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
-    e, body, foot = slack_of(row, x, y), body_of(last, faces, circles, rows), ex * dx + ey * dy
+    e, foot, leaves = slack_of(row, x, y), ex * dx + ey * dy, ey * vx - ex * vy
+    if abs(ey * dx - ex * dy) > e:
+        return False, 0.0
+    body = body_of(last, faces, circles, rows)
     way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
     far = 1.0 if foot > 0.5 * row[LONG] else 0.0
-    if abs(way) <= e:  # one line goes on as the other: it leaves both
-        way = ey * vx - ex * vy
+    if abs(way) <= e or shut_off(i, last, x, y, faces, circles, rows):  # one line goes on as the other: it leaves both
+        way = leaves
     elif abs(foot - far * row[LONG]) <= e and closing(last, faces, circles, rows, row, 0.0, far, True, e) < 0.0:
         way = -way
-    return abs(ey * dx - ex * dy) <= e, way
+    return True, way
 
 
 @inlined
@@ -187,21 +246,27 @@ def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, la
 
 
 @inlined
-def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: float) -> Any:
-    """Return (met, t, late): whether one side of a face is met beyond doubt, and when; False if that is in doubt."""
+def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: float, far: float) -> Any:
+    """Return (met, t, late): whether one side of a face is met beyond doubt, and when; False if that is in doubt.
+
+    ``far``: |x| + |y|, by a share of which rounding put it beside what it left.
+    """
     (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
     sign, fresh = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0, last == surface
     off, e, d = ey * dx - ex * dy, GAP * EPS * spread_of(dx, dy, size, long), GAP * EPS * (abs(vx) + abs(vy))
     h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
     t, late, said = face_root(h, rate, bend, e, d, fresh)
     on, unsure = on_face(t, late, along, v, face, g, INFINITY)
-    deep = not fresh and (h < -e or (size == 0.0 and last >= 0.0 and abs(off) <= CORNER * (e + GAP * EPS * long)))
+    beside = CORNER * (e + GAP * EPS * (far + long))
+    deep = not fresh and (h < -e or (size == 0.0 and last >= 0.0 and abs(off) <= beside))
     return on and not deep and (said | unsure) == OK, t, late
 
 
 @inlined
-def passes(along: Any, v: Any, face: Any, g: float, left: float, right: float, last: float, end: float) -> Any:
-    """Say whether a ball surely meets no side of a face until ``end``.
+def passes(
+    along: Any, v: Any, face: Any, g: float, left: float, right: float, last: float, end: float, far: float
+) -> Any:  # fmt: skip
+    """Say whether a ball surely meets no side of a face until ``end``; ``far`` as for :func:`met_side`.
 
     It stays on one side of both lines, or beyond one end, as a parabola leaves its chord by g end^2/8 at most; or it
     leaves one of the sides and does not turn back.
@@ -209,7 +274,7 @@ def passes(along: Any, v: Any, face: Any, g: float, left: float, right: float, l
     (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
     t = end if end < INFINITY else 0.0
     speed = abs(vx) + abs(vy) + g * t
-    unsure = 2.0 * GAP * EPS * (abs(dx) + abs(dy) + size + long + speed * t)
+    unsure = CORNER * GAP * EPS * (far + abs(dx) + abs(dy) + size + long + speed * t)
     bow = 0.125 * g * t * t + unsure
     off, rate = ey * dx - ex * dy, ey * vx - ex * vy
     then = off + (rate + 0.5 * g * ex * t) * t
@@ -240,7 +305,7 @@ def of_some_face(
         return found
     row = behind(rows, WIDTH * (int(best) // 2))
     along, face = (x - row[PX], y - row[PY]), (row[EX], row[EY], row[SIZE], row[LONG])
-    sure, t, late = met_side(along, (vx, vy), face, g, best, 1.0 * last)
+    sure, t, late = met_side(along, (vx, vy), face, g, best, 1.0 * last, abs(x) + abs(y))
     return nearer(found, int(best), row[OWNER], t, late) if sure else found
 
 
@@ -249,13 +314,14 @@ def of_other_faces(
     rows: Any,
 ) -> Any:  # fmt: skip
     """Return the first contact with any face, or what was found before that; ``slid``: it slid off what it left."""
+    far = abs(x) + abs(y)
     for i in range(faces):
         if slid and last >= 0 and last // 2 == i:  # it has no radius, and is beyond its end
             continue
         row = behind(rows, WIDTH * i)
         along, face = (x - row[PX], y - row[PY]), (row[EX], row[EY], row[SIZE], row[LONG])
         end, left = found[1] + found[2], 2.0 * i
-        if found[0] // 2 == i or passes(along, (vx, vy), face, g, left, left + 1.0, 1.0 * last, end):
+        if found[0] // 2 == i or passes(along, (vx, vy), face, g, left, left + 1.0, 1.0 * last, end, far):
             continue
         if not found[4] & STOP:
             found = of_face(found, x, y, vx, vy, g, last, slid, i, faces, circles, rows)
@@ -281,7 +347,7 @@ def of_face(
         return ended(found, 2 * i, 0.0, INSIDE_WALL)
     corner, way = False, 0.0
     if size == 0.0 and last >= 0 and beside:
-        corner, way = face_corner(row, x, y, vx, vy, last, faces, circles, rows)
+        corner, way = face_corner(i, x, y, vx, vy, last, faces, circles, rows)
     for side in range(2):
         sign, surface = 2.0 * side - 1.0, 2 * i + side
         if size == 0.0 and last == 2 * i + 1 - side:
@@ -289,8 +355,6 @@ def of_face(
         if (corner and sign * way < 0.0) or (slid and beside_face(row, sign, x, y, vx, vy)):
             continue
         h, rate, k = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
-        if corner and k > 0.0 and rate * rate <= k * slack_of(row, x, y):
-            continue  # it is pulled away, and comes no further than rounding
         if corner or (beside and size > 0.0 and h >= -DEEP * e and foot > e and foot < row[LONG] - e):
             h = max(h, 0.0)  # rounding put it behind what it touches
         t, late, said = face_crossing(h, rate, k, e, d, last == surface)

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import flight_to, next_event, slid_on
+from grazing.billiard.contact import SLIDES, flight_to, next_event, slid_on
 from grazing.billiard.elements import slid
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.players import Presses
@@ -147,7 +147,7 @@ def followed(block: Floats, now: Floats, until: float, most: int) -> tuple[Float
 
 
 def flights_of(table: Table, state: tuple[float, ...], start: float, until: float, most: int = MAX_IMPACTS) -> Floats:
-    """Return all flights and slides of a trajectory, columns as named at the top of this file.
+    """Return all flights and slides of a trajectory of so many impacts at ``most``, columns as named above.
 
     The last one ends at or after ``until``, or is one after which none follows: its flags say why.
     """
@@ -164,13 +164,12 @@ def played_flights(
     """
     gates, pressed = len(table.objects), {} if pressed is None else pressed
     block = block_played(table, pressed)
-    now, found, count, going, shut = np.array([start, left, *state]), [], 0, True, None
+    now, found, hits, idle, going, shut = np.array([start, left, *state]), [], 0, 0, True, None
     while going:
-        many = most - count if shut is None and not once else 1
+        many = most - hits if shut is None and not once else 1
         flights, going = followed(block if shut is None else shut, now, until, many)
         found.append(flights)
-        count, shut = count + len(flights), None
-        last = flights[-1]
+        last, shut, met = flights[-1], None, np.flatnonzero(~np.isnan(flights[:, BEFORE]))
         if int(last[FLAGS]) & BAD_LAW:
             law = table.objects[int(last[OWNER])].law
             assert law is not None
@@ -184,8 +183,9 @@ def played_flights(
             going = True
         if once and not np.isnan(last[BEFORE]):
             break
-        if going and count >= most:
-            last[FLAGS] = int(last[FLAGS]) | TOO_MANY_IMPACTS
+        hits, idle = hits + len(met), len(flights) - 1 - met[-1] if len(met) else idle + len(flights)
+        if going and (hits >= most or idle > SLIDES):
+            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most else TOO_MANY_SWINGS)
             break
     return np.concatenate(found), pressed
 

@@ -174,7 +174,7 @@ def meet_face(w: Any, width: int, g: float) -> None:
         i = eights(k)
         along, v = (w[W.DX + i], w[W.DY + i]), (w[W.VX + i], w[W.VY + i])
         face, side = (w[W.PEX + i], w[W.PEY + i], w[W.PSIZE + i], w[W.PEND + i]), w[W.FIRST + i]
-        sure, t, late = met_side(along, v, face, g, side, w[W.LAST + i])
+        sure, t, late = met_side(along, v, face, g, side, w[W.LAST + i], abs(w[W.X + i]) + abs(w[W.Y + i]))
         met = sure and side >= 0.0
         w[W.SURFACE + i], w[W.TIME + i] = side if met else -1.0, t if met else INFINITY
         w[W.LATE + i], w[W.WHO + i] = late if met else 0.0, w[W.PWHO + i] if met else -1.0
@@ -186,9 +186,10 @@ def pass_face(w: Any, width: int, f: int, row: Any, g: float) -> Any:
     px, py, ex, ey, size, long = row[PX], row[PY], row[EX], row[EY], row[SIZE], row[LONG]
     for k in range(width):
         i = eights(k)
-        along, v, left = (w[W.X + i] - px, w[W.Y + i] - py), (w[W.VX + i], w[W.VY + i]), 2.0 * f
+        x, y, left = w[W.X + i], w[W.Y + i], 2.0 * f
+        along, v, far = (x - px, y - py), (w[W.VX + i], w[W.VY + i]), abs(x) + abs(y)
         end, itself = w[W.TIME + i] + w[W.LATE + i], w[W.SURFACE + i] == left or w[W.SURFACE + i] == left + 1.0
-        passed = passes(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i], end)
+        passed = passes(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i], end, far)
         w[W.ONE + i] = 0.0 if passed or itself else 1.0
     some = 0
     for k in range(width):

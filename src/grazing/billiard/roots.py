@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
+from math import sqrt
 from typing import Any, NamedTuple
 
 from flint import arb, ctx, fmpq, fmpq_poly
@@ -130,6 +131,13 @@ def joined(gap: Gap) -> list[Root]:
 def inside(root: Root) -> int:
     """Say whether a root is on the surface itself, between its ends: 1, or -1 for not; 0 for at an end."""
     return min((sign_at(one, root) for one in root.gap.within), default=1)
+
+
+def beside(root: Root) -> bool:
+    """Say whether a root is on the surface itself, or beyond its ends by no more than rounding."""
+    size = root.gap.size
+    slack = exact(SHARE * (size if len(root.gap.within) == 2 else sqrt(size)))  # the gap of an arc is one of squares
+    return all(at(one, root.t) + slack > 0 for one in root.gap.within)
 
 
 def same(one: Root, other: Root) -> bool:

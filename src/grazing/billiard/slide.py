@@ -28,7 +28,8 @@ from grazing.billiard.elements import (
     turns_at,
     width_of,
 )
-from grazing.billiard.hit import first_turning
+from grazing.billiard.faces import covered
+from grazing.billiard.hit import first_turning, rows_of
 from grazing.billiard.rows import CIRCLES, FACES, GRAVITY
 from grazing.billiard.swept import horizon, swept
 from grazing.billiard.swing import swing
@@ -170,6 +171,8 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
         if how == HITS and to[0] == 0.0 and is_bare(other, to, table):
             mx, my = normal_of(el, fx, fy)
             if not rises(to, fx, fy, mx, my):  # its back, beyond its end
+                continue
+            if covered(other // 2, surface, fx, fy, (way * my, -way * mx), (mx, my), int(table[FACES]), rows_of(table)):
                 continue
         if at >= 0 and abs(s - best) <= width and how == HITS and why == HITS:
             if to[1] != element(at, clock, table)[1]:
