@@ -16,7 +16,7 @@ SOURCE = Path(__file__).parents[1] / "src"
 # Bottom first. A part may import from the layers before its own, and from itself; parts of one layer are
 # siblings that do not know each other. `grazing` is the public list, which only the top may use.
 LAYERS = (
-    ("outcome",),
+    ("interrupt", "outcome"),
     ("memory",),
     ("measured", "parameter", "paths", "units"),
     ("writing",),

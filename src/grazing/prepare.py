@@ -80,8 +80,7 @@ def _walls(*cos: float) -> None:
         gz.orbit_diagram(P, "offset", values, starts=4, transient=10, arithmetic=arithmetic)
     gz.lyapunov(P, transient=20)
     gz.coexistence(P, "offset", values[:2], starts=20)
-    orbits = gz.periodic_orbits(P, 1, starts=20)
-    gz.continuation(P, orbits[0], "offset", (0.0, 0.01))
+    gz.periodic_orbits(P, 1, starts=20)
     Q = gz.impact_map(m)
     Q.orbit((0.0, 0.5), 20)
     Q.jacobian((0.0, 0.5))
@@ -203,7 +202,7 @@ def _each(P: Map, name: str, values: Floats, other: str) -> None:
 
 
 def _formula(P: Map, name: str, values: Floats) -> None:
-    """Run each study of a map that is a formula once."""
+    """Run each study of a map that is a formula once, but those that need no kernel more."""
     import grazing as gz
 
     last = list(P.params)[-1]
@@ -215,14 +214,11 @@ def _formula(P: Map, name: str, values: Floats) -> None:
     gz.density(P, name, values, starts=4, coordinate=P.coordinates[0])
     gz.chart(P, {name: values, last: [0.1, 0.2]}, transient=50)
     gz.lyapunov(P, name, values, transient=5)  # so short that some have no period: their exponents are measured
-    for orbit in gz.periodic_orbits(P, range(1, 4))[:1]:
-        gz.continuation(P, orbit, name, (values[0], values[-1]))
-    if P.dimension == 2:
-        gz.basins(P, transient=50)
+    gz.periodic_orbits(P, range(1, 4))
 
 
 def _studies(m: Oscillator, name: str) -> None:
-    """Run each study once."""
+    """Run each study once, but those that need no kernel more."""
     import numpy as np
 
     import grazing as gz
@@ -232,12 +228,10 @@ def _studies(m: Oscillator, name: str) -> None:
     for arithmetic in ("fast", "strict"):  # so short that some orbits have not settled
         gz.orbit_diagram(P, name, np.linspace(0.05, 0.16, 30), starts=20, transient=10, arithmetic=arithmetic)
     gz.windows(m, name, N=range(2, 4))
-    gz.normal_form(m, name)
     gz.chart(P, {name: values, "alpha": [2.9, 3.0]}, transient=50)
     gz.lyapunov(P.replace(**{name: 0.05}))
-    gz.basins(P, transient=50)
-    orbits = gz.periodic_orbits(P, range(1, 4), starts=200)
-    gz.continuation(P, orbits[0], name, (0.0, 0.16))
+    gz.basins(P, {x: np.linspace(*P.box[i], 9) for i, x in enumerate(P.coordinates)}, transient=50, preimages=1)
+    gz.periodic_orbits(P, range(1, 4), starts=200)
     gz.trajectory(m, (0.1, 0.0))
     Q = gz.impact_map(m)
     Q.orbit((0.0, 0.5), 20)
@@ -246,12 +240,13 @@ def _studies(m: Oscillator, name: str) -> None:
     gz.coexistence(P, name, values[:2], starts=20)
 
 
+#: The first holds what all others need as well, and they find it. Tables take longest, and come to that late.
 PARTS: dict[str, Callable[[], None]] = {
+    "formulas": formulas,
+    "tables": tables,
     "one wave": one_wave,
     "two waves": two_waves,
-    "formulas": formulas,
     "systems": systems,
-    "tables": tables,
 }
 
 
@@ -272,10 +267,16 @@ def prepared(family: str = "") -> int:
         environment = {**os.environ, "GRAZING_CACHE": scratch, "MPLBACKEND": "Agg"}
         if family:
             environment |= {"NUMBA_CPU_NAME": family, "NUMBA_CPU_FEATURES": FAMILIES[family]}
-        commands = [[sys.executable, "-m", "grazing.prepare", "--part", part] for part in PARTS]
         pipe = subprocess.PIPE
-        running = [subprocess.Popen(each, env=environment, stdout=pipe, stderr=pipe, text=True) for each in commands]
-        said = [each.communicate() for each in running]
+
+        def begun(part: str) -> subprocess.Popen[str]:
+            command = [sys.executable, "-m", "grazing.prepare", "--part", part]
+            return subprocess.Popen(command, env=environment, stdout=pipe, stderr=pipe, text=True)
+
+        running = [begun(part) for part in list(PARTS)[:2]]
+        said = [running[0].communicate()]
+        running += [begun(part) for part in list(PARTS)[2:]]
+        said += [each.communicate() for each in running[1:]]
         failed = [error.strip() for each, (_names, error) in zip(running, said, strict=True) if each.returncode]
         if failed:
             raise SystemExit(f"grazing: the kernels could not be compiled beforehand:\n{failed[0]}")

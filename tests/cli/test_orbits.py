@@ -434,6 +434,7 @@ def test_options_take_back_what_a_file_says(folder, capsys):
         (["orbit", "--word", "001", "-o", "a.png"], "allowed are nc, csv"),
         (["orbit", "--word", "001", "d=0.1:0.2:3"], "an orbit varies nothing; give single values"),
         (["orbit", "chekc"], "'chekc' is not NAME=VALUE"),
+        (["orbit", "o.toml"], "is not NAME=VALUE, such as d=0.12; a file is given with --config o.toml"),
         (["orbit", "--word", "001", "--save", "a.txt"], "give a file that ends in .json, or a folder"),
         (["orbit", "--word", "001", "--save", "no/a"], "there is no folder no; make it first"),
         (["orbit", "--word", "001", "--save", "no/a.json"], "there is no folder no; make it first"),

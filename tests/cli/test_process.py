@@ -76,27 +76,51 @@ def test_an_interrupt_in_code_that_python_was_given_as_text_ends_with_its_exit_c
     assert done.returncode == 130 and "stopped: interrupted" in done.stderr
 
 
+def interrupted(folder):
+    """Run the command line with packages of a folder; Ctrl-C reaches it, as it does not in the background."""
+    ours = "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    return subprocess.run(
+        [sys.executable, "-c", f"{ours}; from grazing.__main__ import main; sys.exit(main())"],
+        cwd=folder, env=settings(), capture_output=True, text=True,
+    )  # fmt: skip
+
+
 def test_an_interrupt_while_packages_are_imported_is_no_traceback(tmp_path):
     (tmp_path / "cyclopts.py").write_text("raise KeyboardInterrupt")
-    done = subprocess.run(
-        [sys.executable, "-c", "import sys; from grazing.__main__ import main; sys.exit(main())"],
-        cwd=tmp_path, env=settings(), capture_output=True, text=True,
-    )  # fmt: skip
+    done = interrupted(tmp_path)
     assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
 
 
-def test_an_interrupt_in_a_finaliser_is_not_lost(tmp_path):
-    """Python drops what is raised there: the command went on as if nobody had stopped it."""
-    ended = "class Ended:\n    def __del__(self):\n        signal.raise_signal(signal.SIGINT)\n"
-    ours = "signal.signal(signal.SIGINT, signal.default_int_handler)"  # in the background it is ignored
-    (tmp_path / "cyclopts.py").write_text(f"import signal, time\n{ours}\n{ended}Ended()\ntime.sleep(20)\n")
+@pytest.mark.parametrize(
+    "lost",
+    [
+        "class Ended:\n    def __del__(self):\n        signal.raise_signal(signal.SIGINT)\nEnded()",
+        "try:\n    signal.raise_signal(signal.SIGINT)\nexcept BaseException:\n    pass",  # as packages in C do
+    ],
+)
+def test_an_interrupt_that_python_or_a_package_drops_is_not_lost(lost, tmp_path):
+    """The command went on as if nobody had stopped it."""
+    (tmp_path / "cyclopts.py").write_text(f"import signal, time\n{lost}\ntime.sleep(20)\n")
     started = time.monotonic()
-    done = subprocess.run(
-        [sys.executable, "-c", "import sys; from grazing.__main__ import main; sys.exit(main())"],
-        cwd=tmp_path, env=settings(), capture_output=True, text=True,
-    )  # fmt: skip
+    done = interrupted(tmp_path)
     assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
     assert time.monotonic() - started < 15
+
+
+def test_an_interrupt_that_takes_long_to_end_a_command_comes_once(tmp_path):
+    """What is put in order on the way is not interrupted again."""
+    slow = "try:\n    signal.raise_signal(signal.SIGINT)\nfinally:\n    time.sleep(0.3)\n    print('in order')\n"
+    (tmp_path / "cyclopts.py").write_text(f"import signal, time\n{slow}")
+    done = interrupted(tmp_path)
+    assert (done.returncode, done.stdout, done.stderr) == (130, "in order\n", "stopped: interrupted.\n")
+
+
+def test_an_interrupt_in_the_making_of_a_class_is_no_traceback(tmp_path):
+    """Python says of it that a name cannot be set."""
+    named = "class Named:\n    def __set_name__(self, owner, name):\n        raise KeyboardInterrupt\n"
+    (tmp_path / "cyclopts.py").write_text(f"{named}class Owner:\n    name = Named()\n")
+    done = interrupted(tmp_path)
+    assert (done.returncode, done.stderr) == (130, "stopped: interrupted.\n")
 
 
 # ---- streams

@@ -253,3 +253,8 @@ def test_parameters_are_described_once():
             from grazing.config.parameters import described
 
             assert described(name).meaning and described(name).meaning != "parameter of the reset law"
+
+
+def test_a_setting_at_the_top_of_a_file_is_told_where_it_belongs():
+    found = problems({**DIAGRAM, "vary": {"d": "0:1:3"}, "starts": 3})
+    assert found[0].startswith("starts: unknown key here; it belongs in [settings]; allowed are study, map")

@@ -342,3 +342,14 @@ def test_a_result_that_python_made_with_a_stiffness_has_a_command():
     from grazing.config import recipe_of
 
     assert "grazing diagram stiffness=0.5:1.5:3" in command_of(recipe_of(found.attrs))
+
+
+@pytest.mark.parametrize(
+    ("walls", "said"),
+    [("A=newton,A=newton", "a name is given twice"), ("C=newton,B=newton", "a name is one capital letter")],
+)
+def test_walls_that_are_wrong_are_all_that_is_said_of_them(walls, said):
+    """What parameters there are depends on them: A.sigma was called unknown, and r missing."""
+    with pytest.raises(gz.InputError, match=said) as error:
+        checked({"study": "windows", "walls": walls, "parameters": {"A.sigma": 0, "B.sigma": 1}, "vary": {"d": "0:1"}})
+    assert "sigma" not in str(error.value) and "missing" not in str(error.value)

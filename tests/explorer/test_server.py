@@ -403,7 +403,7 @@ def test_a_copy_where_nothing_can_be_written(tmp_path):
         copy_to(tmp_path / "file")
 
 
-RUN = "from grazing.cli.explore import explore; raise SystemExit(explore(no_open=True))"
+RUN = "import sys; sys.argv[1:] = ['explore', '--no-open']; from grazing.__main__ import main; sys.exit(main())"
 
 
 @pytest.mark.skipif(os.name != "posix", reason="sends the signal of Ctrl-C, which other systems name otherwise")

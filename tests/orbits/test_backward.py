@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before, periods_later, touches
+from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, Seen, flown_back, impacts_before, periods_later, touches
 
 
 def soft(v, p):
@@ -32,7 +32,7 @@ FLIGHTS = {
 @pytest.mark.parametrize("name", FLIGHTS)
 def test_there_and_back_again(name):
     model, phase = FLIGHTS[name], 0.7
-    P = gz.stroboscopic_map(model, phase)
+    P, seen = gz.stroboscopic_map(model, phase), Seen.at(model, phase)
     rng = np.random.default_rng(3)
     none = hit = 0
     for start in rng.uniform([0.0, -1.5], [1.5, 1.5], (200, 2)):
@@ -41,11 +41,11 @@ def test_there_and_back_again(name):
             continue
         u, v = orbit.points[1]
         line = np.array([[0.0, u, -v, 0.0]])
-        flown_back(model, phase, line)
+        flown_back(seen, line)
         if orbit.letters[0] == 1:
             assert line[0, HIT] == 1.0 and line[0, HEIGHT] == 0.0 and line[0, CLIMB] < 0.0
-            line[0, CLIMB] = impacts_before(model, phase, -line[:, CLIMB])[0, 0]
-            flown_back(model, phase, line)
+            line[0, CLIMB] = impacts_before(seen, -line[:, CLIMB])[0, 0]
+            flown_back(seen, line)
             hit += 1
         else:
             none += 1
@@ -76,7 +76,7 @@ def test_the_inverse_of_the_reset_laws():
     w = np.array([0.05, 0.3, 0.7, 2.0])
 
     def speeds(law):
-        return impacts_before(oscillator(0.1, 1.0, 2.0, law), 0.0, w)
+        return impacts_before(Seen.at(oscillator(0.1, 1.0, 2.0, law), 0.0), w)
 
     assert speeds(gz.newton(0.5))[:, 0] == pytest.approx(2.0 * w)
     assert speeds(gz.newton(0.0)).size == 0

@@ -342,6 +342,47 @@ def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_para
         assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12) and back.complete
 
 
+@pytest.mark.parametrize("g", [2, 4])
+def test_symmetry_is_that_of_the_period_of_what_moves_the_model(g):
+    # the pair of the test above, driven by harmonic g alone: its orbits are gone round g times in a period
+    r = 0.5
+    phi = np.pi - np.arctan(2.0 * (1.0 + r) / (np.pi * (1.0 - r)))
+    edge = (0.5 * np.pi**2 - 2.0) * np.sin(phi)
+    phi, L = pair_phases(r, 1.1 * edge)[0], 1.1 * edge
+    shake = gz.Forcing(omega=1.0 / g, sin=(0.0,) * (g - 1) + (1.0,), cos=())
+    walls = [gz.wall(x, gz.newton(r), motion=shake) for x in (-0.5 * L, 0.5 * L)]
+    m = gz.Oscillator(alpha=0, k=0, forcing=gz.Forcing(omega=1.0 / g, cos=()), walls=walls)
+    assert m.symmetric and not m.replace(**{"A.sin1": 0.1}).symmetric
+    equations = ImpactEquations(m, (), 1, (PIECES, 0) * g)
+    speed = (L + 2.0 * np.sin(phi)) / np.pi + np.cos(phi)
+    x = np.append(phi + np.pi * np.arange(2 * g), np.full(2 * g, speed))[None]
+    equations.solve(x, NOTHING)
+    orbit = equations.orbit(x[0], NOTHING)
+    assert orbit.symmetric and orbit.admissible and "symmetric" in repr(orbit)
+    bounds = 0.42 * edge, 0.56 * edge
+    (broken,) = (one for one in gz.continuation(orbit.map, orbit, "B.sigma", bounds).special if one.type == "bp")
+    assert broken.value + 0.55 * edge == pytest.approx(edge, abs=1e-12) and broken.converged
+    both = gz.continuation(orbit.map, broken, "B.sigma", bounds)
+    assert len(both.pieces) == 2 and not any(piece.orbits[-1].symmetric for piece in both.pieces)
+    back = gz.continuation(orbit.map, both.pieces[0].orbits[-1], "B.sigma", bounds)
+    (again,) = (one for one in back.special if one.type == "bp")
+    assert again.value == pytest.approx(broken.value, abs=1e-12) and again.orbit.symmetric and again.converged
+
+
+def test_at_a_branch_point_the_other_branch_is_followed_and_not_the_same_one():
+    # there the derivative does not tell the branches apart: rounding chose, and led on along the symmetric one
+    walls = [gz.wall(x, gz.newton(0.3)) for x in (-0.5, 0.5)]
+    m = gz.Oscillator(alpha=0.1, k=1.0, forcing=gz.Forcing(omega=1.9, cos=(1.5,)), walls=walls)
+    equations = ImpactEquations(m, (), 1, (0, PIECES))
+    x = np.array([[1.93051, 1.93051 + 0.5 * m.period, 0.41545, 0.41545]])
+    equations.solve(x, NOTHING)
+    orbit = equations.orbit(x[0], NOTHING)
+    branch = gz.continuation(orbit.map, orbit, "cos1", (1.4, 2.4))
+    (broken,) = (one for one in branch.special if one.type == "bp")
+    both = gz.continuation(orbit.map, broken, "cos1", (1.4, 2.4)).pieces[:2]
+    assert broken.orbit.symmetric and not any(one.symmetric for piece in both for one in piece.orbits[2:])
+
+
 def test_orbits_of_a_symmetric_model_are_found_with_their_images():
     law = gz.newton(0.7)
     m = gz.Oscillator(

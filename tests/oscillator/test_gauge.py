@@ -119,13 +119,30 @@ def test_a_graze_reads_as_one_whatever_rounding_says():
     assert found["peak_velocity"] == pytest.approx(speed, rel=1e-15)
 
 
-def test_a_ball_that_lies_still_reads_nothing():
+def test_of_a_ball_that_lies_still_the_wall_alone_is_read():
     model = gz.pinball(d=-3.0, V=0.0, sigma=0.25)
     found = gauged(model, flown_cycle(model, (0.25, 0.0), 2))
-    assert found == {**dict.fromkeys(READINGS, 0.0), "mean": 0.25}
+    pressed = pytest.approx(3.25 * model.period, rel=1e-15)  # by the load, 3, and the spring
+    assert found == {**dict.fromkeys(READINGS, 0.0), "mean": 0.25, "impulse": pressed}
 
 
 def test_what_no_memory_holds_is_refused():
     model = gz.pinball(alpha=1e15, k=1.0, d=0.1)
     with pytest.raises(gz.InputError, match=r"one motion would take .* its flights change too fast"):
         gauged(model, flown_cycle(model, (0.5, 0.0), 1))
+
+
+@pytest.mark.parametrize("walls", ["one", "two", "moving"])
+def test_a_wall_gives_a_ball_that_lies_on_it_what_spring_and_load_take(walls):
+    """Over a cycle the impulses, upwards, are the integral of k^2 u - f, as they are where impacts are all."""
+    moves = gz.Forcing(omega=1.0, cos=(0.05,), sin=(0.02,)) if walls == "moving" else None
+    made = gz.wall(-0.3, gz.newton(0.1), motion=moves), gz.wall(0.3, gz.newton(0.1))
+    model = gz.Oscillator(alpha=0.1, k=0.5, forcing=gz.Forcing(omega=1.0, offset=-0.02, cos=(0.6,)), walls=made)
+    model = gz.pinball(V=0.0, r=0.3, d=-0.2) if walls == "one" else model
+    state = tuple(gz.stroboscopic_map(model).orbit((0.1, 0.0), 20).points[-1])
+    cycle = flown_cycle(model, state, 1)
+    assert set(cycle.rides[:, 2]) == set(range(len(model.walls)))
+    found = gauged(model, cycle)
+    net = found["impulse"] if walls == "one" else found["A.impulse"] - found["B.impulse"]
+    taken = model.k2 * found["mean"] - model.forcing.offset
+    assert net == pytest.approx(model.period * taken, rel=1e-9)

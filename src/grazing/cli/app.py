@@ -20,6 +20,7 @@ from grazing import __version__
 from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
+from grazing.interrupt import causes, interrupt_in
 from grazing.memory import address_space
 from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, printable, raised, shown
 from grazing.parameter import called_here
@@ -151,10 +152,10 @@ def _guarded(tokens: list[str]) -> int:
         )
     except (ImportError, OSError, MemoryError) as error:
         # Modules in C say of an interrupt that reaches them that something cannot be imported.
-        asked = _stop(error) if isinstance(error, ImportError) else None
+        asked = interrupt_in(error) if isinstance(error, ImportError) else None
         return _failed(error) if asked is None else _interrupted(asked)
     except BaseException as error:  # of whatever kind: a class of the user's may raise any
-        if asked := _stop(error):  # Python says of one in the making of a class that a name cannot be set
+        if asked := interrupt_in(error):  # Python says of one in the making of a class that a name cannot be set
             return _interrupted(asked)
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
@@ -179,38 +180,23 @@ def _interrupted(stop: KeyboardInterrupt) -> int:
     return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
 
 
-def _stop(error: BaseException) -> KeyboardInterrupt | None:
-    """Return the interrupt that an error came from; None for none."""
-    return next((one for one in _causes(error) if isinstance(one, KeyboardInterrupt)), None)
-
-
 def _failed(error: ImportError | OSError | MemoryError) -> int:
     """Say what the machine, or what is installed on it, did not do."""
-    causes = _causes(error)
-    if any(isinstance(one, MemoryError) or any(said in raised(one) for said in NO_MEMORY) for one in causes):
+    found = causes(error)
+    if any(isinstance(one, MemoryError) or any(said in raised(one) for said in NO_MEMORY) for one in found):
         return _fail(
             "out of memory; ask for less: fewer values, starts or figures, a smaller --size, or a sweep into a store.",
             FAILED,
         )
     if not isinstance(error, OSError):
         return _fail(
-            f"a package that grazing needs cannot be imported ({raised(causes[-1])}); install grazing again.", FAILED
+            f"a package that grazing needs cannot be imported ({raised(found[-1])}); install grazing again.", FAILED
         )
     if error.errno == errno.ENAMETOOLONG:
         return _fail(f"a name of {len(str(error.filename))} letters is too long for a file; give a path.", USAGE)
     if error.filename is None and error.errno in (errno.ENOSPC, errno.EFBIG, errno.EIO):  # writers name their file
         return _fail(f"cannot write to the standard output: {error.strerror}; send it elsewhere.", FAILED)
     return _fail(str(error) if _somewhere() else "the folder that this runs in is gone; change to another.", FAILED)
-
-
-def _causes(error: BaseException) -> list[BaseException]:
-    """Return an error, what it came from, and so on; somebody else's may come from itself."""
-    found: list[BaseException] = []
-    one: BaseException | None = error
-    while one is not None and not any(one is other for other in found):
-        found.append(one)
-        one = one.__cause__ or one.__context__
-    return found
 
 
 def _prepare_environment() -> None:
@@ -256,7 +242,7 @@ def _columns() -> int | None:
 
 def _misconfigured(error: BaseException) -> str:
     """Return whose configuration, in a file or a variable, is why something failed, and how; empty for nobody's."""
-    for one in _causes(error):
+    for one in causes(error):
         frames = [frame for frame, _line in traceback.walk_tb(one.__traceback__)][-1:]
         raised = [str(frame.f_globals.get("__name__", "")) for frame in frames]
         for where in (*raised, f"{type(one).__module__}.{type(one).__name__}"):

@@ -275,7 +275,8 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
     for token in tokens:
         name, equals, text = token.partition("=")
         if not equals or not name:
-            problems.append(Problem((), f"{token!r} is not {_forms(study)}"))
+            file = f"; a file is given with --config {token}" if token.endswith(".toml") else ""
+            problems.append(Problem((), f"{token!r} is not {_forms(study)}{file}"))
         elif ("vary", name) in given.here or ("parameters", name) in given.words:
             problems.append(Problem((), f"{token!r}: {name} is given twice"))
         elif token in ranges:

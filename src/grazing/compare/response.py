@@ -81,9 +81,10 @@ def response(
     xarray.Dataset
         On (name, "run"), where ``run`` is *up*, *down*, *start 1*, *start 2*, ...: ``amplitude`` (half of the
         peak-to-peak value of u), ``mean``, ``peak_velocity``, ``rms_velocity``, ``impact_speed`` (the greatest one),
-        ``mean_impact_speed``, ``impulse`` (of the wall in a period of the forcing, per unit of mass) and
-        ``impacts_per_period`` (of the forcing); of two walls these four of each, too, as ``A.impulse``, and ``impulse``
-        is the sum of both, each away from its wall. With these come ``period``, ``word``, ``outcome`` and ``trust`` as
+        ``mean_impact_speed``, ``impulse`` (of the wall in a period of the forcing, per unit of mass, with what it gives
+        a ball that lies on it) and ``impacts_per_period`` (of the forcing; of chatter those that a trajectory lists);
+        of two walls these four of each, too, as ``A.impulse``, and ``impulse`` is the sum of both, each away from its
+        wall. With these come ``period``, ``word``, ``outcome`` and ``trust`` as
         in :func:`grazing.orbit_diagram`. All branches as :attr:`grazing.Branch.dataset` has them, its variables with
         ``branch_`` in front but for those of special points, with the readings of each orbit (``branch_amplitude``,
         ...) and special point (``special_amplitude``, ...). Dimension ``difference``: ``difference_low``,

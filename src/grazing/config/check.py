@@ -172,7 +172,7 @@ def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
 def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Problem]:
     """Yield what is wrong between the parts, and fill in what was left out."""
     broken = {problem.path for problem in before}
-    if ("map",) in broken or ("law",) in broken or ("model",) in broken:
+    if broken & {("map",), ("law",), ("model",), ("walls",)}:  # which say what parameters there are
         return
     kind = config["map"]
     if said := beside_table(config):

@@ -17,6 +17,7 @@ from pathlib import Path
 from typing import Any
 
 from grazing.copies import OWN_MODULE
+from grazing.interrupt import interrupt_in
 from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.walled import Walled
@@ -177,5 +178,7 @@ def _module(path: Path) -> Any:
         raise
     except BaseException as error:  # of whatever kind; a program that calls sys.exit ends itself, not us
         del sys.modules[name]
+        if asked := interrupt_in(error):  # Python says of one in the making of a class that a name cannot be set
+            raise asked from None
         raise UserCodeError(f"{path} cannot be run: {raised(error)}") from error
     return module

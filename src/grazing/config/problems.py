@@ -95,7 +95,9 @@ def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
     if kind == "value_error":
         return Problem(path, str(item["ctx"]["error"]))
     if kind == "extra_forbidden":
-        return Problem(path, partial(unknown_key, path[-1], _keys(schema, path[:-1])))
+        inside = len(path) == 1 and path[0] in _keys(schema, ("settings",))
+        what = "unknown key here; it belongs in [settings]" if inside else "unknown key"
+        return Problem(path, partial(unknown_key, path[-1], _keys(schema, path[:-1]), what))
     if kind == "missing":
         return Problem(path, f"missing; give {_meaning(schema, path)}")
     if kind == "literal_error":

@@ -24,7 +24,10 @@ def checked_walls(value: Any) -> dict[str, str]:
     """Return the law and side of each wall from a table, or from text such as ``A=newton,B=active``."""
     given = value
     if isinstance(value, str):
-        given = dict(([*item.strip().split("=", 1), ""])[:2] for item in value.split(","))
+        pairs = [([*item.strip().split("=", 1), ""])[:2] for item in value.split(",")]
+        given = dict(pairs)
+        if len(given) < len(pairs):
+            raise InputError(f"walls = {shown(value)}: a name is given twice; {NAMED}")
     if not isinstance(given, Mapping) or not 1 <= len(given) <= 2:
         raise InputError(f"walls = {shown(value)}; give one or two, such as A=newton,B=active")
     found = {}

@@ -218,15 +218,13 @@ def server(port: int = 0) -> Server:
 
 def serve(port: int, opened: Callable[[str], None]) -> None:
     """Serve until interrupted; ``opened`` is told the address once it is answered."""
-    with server(port) as ours:
+    with suppress(KeyboardInterrupt), server(port) as ours:  # closed while the interrupt is on its way, not lost
         thread = Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.2}, daemon=True)
         thread.start()
         try:
             opened(ours.address)
             while thread.is_alive():
                 thread.join(0.5)  # without an end, some systems would not look for Ctrl-C
-        except KeyboardInterrupt:
-            pass
         finally:
             ours.shutdown()
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from grazing.oscillator.contact import next_contact, placed
 from grazing.oscillator.departure import FLIES, departure_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator
-from grazing.oscillator.pointed import POINTED, flight_kind, pointed_law, pointed_model
+from grazing.oscillator.pointed import POINTED, Pointed, flight_kind, pointed_law, pointed_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
 from grazing.parameter import parameters
 
@@ -110,14 +110,25 @@ def climber(harmonics: int) -> Callable[..., None]:
     return compiled(climb)
 
 
-def impacts_before(model: Oscillator, phase: float, w: Floats) -> Floats:
+class Seen(NamedTuple):
+    """An oscillator seen at a phase; its numbers are made once for all its flights back."""
+
+    model: Oscillator
+    numbers: Pointed
+
+    @classmethod
+    def at(cls, model: Oscillator, phase: float) -> Seen:
+        """Return an oscillator seen at a phase."""
+        return cls(model, pointed_model(model, phase))
+
+
+def impacts_before(seen: Seen, w: Floats) -> Floats:
     """Return the speeds of impact, > 0, from which the reset law makes the departures w > 0.
 
     Parameters
     ----------
-    model : Oscillator
-    phase : float
-        Of the section.
+    seen : Seen
+        An oscillator, at the phase of the section.
     w : ndarray, shape (n,)
 
     Returns
@@ -126,7 +137,7 @@ def impacts_before(model: Oscillator, phase: float, w: Floats) -> Floats:
         NaN where there is none. A law known to be affine has one branch, or two with a trigger; of a law of one's
         own all changes of sign on a ladder of speeds are found, a quarter of an octave apart.
     """
-    law, p = model.reset, parameters(model.reset.params)
+    law, p = seen.model.reset, parameters(seen.model.reset.params)
     if law.law in (newton_law, active_law, triggered_law):
         if p.r == 0.0:
             return np.full((len(w), 0), np.nan)
@@ -137,15 +148,20 @@ def impacts_before(model: Oscillator, phase: float, w: Floats) -> Floats:
             speeds[speeds[:, 0] >= p.trigger, 0] = np.nan
             speeds[speeds[:, 1] < p.trigger, 1] = np.nan
         return np.where(speeds > 0.0, speeds, np.nan)
-    numbers, speeds = pointed_model(model, phase), np.full((len(w), BRANCHES), np.nan)
-    call(climber(model.harmonics), numbers.row, np.ascontiguousarray(w), speeds, who=f"the reset law {law.name}")
+    speeds = np.full((len(w), BRANCHES), np.nan)
+    call(
+        climber(seen.model.harmonics),
+        seen.numbers.row,
+        np.ascontiguousarray(w),
+        speeds,
+        who=f"the reset law {law.name}",
+    )
     return np.where(speeds > 0.0, speeds, np.nan)
 
 
-def flown_back(model: Oscillator, phase: float, lines: Floats) -> None:
+def flown_back(seen: Seen, lines: Floats) -> None:
     """Fly every line, shape (n, 4), back to the contact before or to the beginning of the period."""
-    numbers = pointed_model(model, phase)
-    call(flyer(model.harmonics), numbers.row, lines, who="the flight backwards")
+    call(flyer(seen.model.harmonics), seen.numbers.row, lines, who="the flight backwards")
 
 
 @lru_cache(maxsize=64)

@@ -13,7 +13,6 @@ from numpy.typing import NDArray
 from grazing.copies import ByValue
 from grazing.orbits.corrector import Point, point_at, unscaled
 from grazing.orbits.equations import Equations
-from grazing.orbits.even_equations import EvenEquations
 from grazing.orbits.events import HALVES, Event, located
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
@@ -115,15 +114,14 @@ def bracketed(equations: Equations, event: Event, x: Floats, p: Floats) -> tuple
     """Return the bracket of an event, and whether it has converged: then the bracket holds what rounding can do."""
     value = float(p[-1])
     low, high = min(event.low, value), max(event.high, value)
-    crossed, even = event.type == "bp", event.type == "bp" and nearly_even(equations, x, p)
+    crossed = event.type == "bp"
     kind = "lp" if crossed else event.type, -1 if crossed else event.where
     index = next((i for i, test in enumerate(equations.tests(x, p)) if test[::2] == kind), -1)
     if not event.converged or index < 0:
         return low, high, event.converged
-    if even:
-        assert isinstance(equations, ImpactEquations)
-        halves = EvenEquations(equations)
-        shift = moved_by_rounding(halves, halves.half(x, p), p, index)
+    even = equations.even(x, p) if crossed else None
+    if even is not None:
+        shift = moved_by_rounding(even, even.part(x, p), p, index)
     else:
         shift = moved_by_rounding(equations, x, p, index, crossed)
     if not np.isfinite(shift):
@@ -205,7 +203,7 @@ class Pieces:
                 _twice, x = half.doubling(x, p)
                 ends = ends if good else None
             else:
-                x, p, ends = evened(equations, x, p)
+                x, p, ends = evened(equations, x, p, event.high - event.low)
                 path.events[number] = i, event._replace(converged=ends is not None)
             if ends is not None:
                 point = event.point._replace(z=np.concatenate([x / equations.scale, p / equations.spans]))

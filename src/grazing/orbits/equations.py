@@ -134,16 +134,16 @@ class Equations(ABC):
         """Return by how much the two halves of an orbit differ, scaled; None where they cannot be the same."""
         return None
 
-    def mirrored(self, x: Floats, p: Floats) -> Floats | None:
-        """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same."""
-        return None
+    def images(self, x: Floats, p: Floats) -> dict[int, Floats]:
+        """Return by how much an orbit differs, scaled, from its images, by the number of parts it could be made of."""
+        return {}
 
-    def image(self, x: Floats, p: Floats) -> Floats | None:
-        """Return the mirror image of an orbit; None where they cannot be the same."""
-        return None
+    def reflections(self, x: Floats, p: Floats) -> list[Floats]:
+        """Return the images of an orbit, each begun at the impact that the first one is to it."""
+        return []
 
-    def even(self) -> EvenEquations | None:
-        """Return the equations of the orbits that are their own mirror images; None where there are none."""
+    def even(self, x: Floats, p: Floats) -> EvenEquations | None:
+        """Return the equations of the orbits that are their own images, as this one nearly is; None where it is not."""
         return None
 
     def doubling(self, x: Floats, p: Floats) -> tuple[Equations, Floats]:

@@ -1,4 +1,4 @@
-"""The equations of an orbit that is its own mirror image, in the first half of its impacts: regular where it breaks."""
+"""The equations of an orbit that is its own mirror image, in the first part of its impacts: regular where it breaks."""
 
 from __future__ import annotations
 
@@ -23,41 +23,42 @@ MOVED = 1e-4
 
 
 class EvenEquations(Equations):
-    """Half of the equations of a symmetric orbit; the other impacts are N/2 T later, at the walls that its image meets.
+    """The equations of one part of a symmetric orbit, of m; those after it do the same, N/m T later each time.
 
-    Where symmetry breaks, the equations of all impacts have a null vector that takes the two halves apart. It is none
-    of these.
+    They are at the walls that its images meet. Where symmetry breaks, the equations of all impacts have a null vector
+    that takes the parts apart. It is none of these.
     """
 
-    def __init__(self, base: ImpactEquations) -> None:
-        self.base, self.names, self.N, self.spans = base, base.names, base.N, base.spans
-        n, h = base.n, base.n // 2
+    def __init__(self, base: ImpactEquations, m: int) -> None:
+        self.base, self.names, self.N, self.spans, self.m = base, base.names, base.N, base.spans, m
+        n, h = base.n, base.n // m
         self._h, self._first = h, np.r_[:h, n : n + h]
-        self._both = np.kron(np.eye(2), np.tile(np.eye(h), (2, 1)))
+        self._all = np.kron(np.eye(2), np.tile(np.eye(h), (m, 1)))
         self.scale = base.scale[self._first]
 
-    def half(self, x: Floats, p: Floats) -> Floats:
+    def part(self, x: Floats, p: Floats) -> Floats:
         """Return the unknowns of an orbit of the base, or the nearest ones that are symmetric."""
-        h, n, turn = self._h, self.base.n, self._turn(p)
-        return 0.5 * np.append(x[:h] + x[h:n] - turn, x[n : n + h] + x[n + h :])
+        return np.asarray((x.reshape(2, self.m, self._h) - self._late(p)).mean(axis=1).ravel())
 
     def whole(self, x: Floats, p: Floats) -> Floats:
         """Return the unknowns of the base."""
-        times, after = x[: self._h], x[self._h :]
-        return np.concatenate([times, times + self._turn(p), after, after])
+        return np.asarray((x.reshape(2, 1, self._h) + self._late(p)).ravel())
 
-    def _turn(self, p: Floats) -> float:
-        return self.N / 2 * self.base.period_at(p)
+    def _late(self, p: Floats) -> Floats:
+        """Return by how much each part is later than the first one, (2, m, 1): its times, not its velocities."""
+        late = np.zeros((2, self.m, 1))
+        late[0, :, 0] = self.N / self.m * self.base.period_at(p) * np.arange(self.m)
+        return late
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """Return the defects of the first half of the impacts, and their derivatives."""
+        """Return the defects of the first part of the impacts, and their derivatives."""
         F, J = self.evaluated(x[None], p[None])
         return F[0], J[0]
 
     def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return :meth:`defects` at several points."""
         F, J = self.base.evaluated(np.array([self.whole(*one) for one in zip(x, p, strict=True)]), p)
-        return F[:, self._first], (J @ self._both)[:, self._first]
+        return F[:, self._first], (J @ self._all)[:, self._first]
 
     def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
         """Return a test function at several points."""
@@ -92,16 +93,16 @@ def evenly(special: Special, base: Equations, x: Floats, p: Floats) -> tuple[Eve
     InputError
         For another branch point, and for parameters that take the symmetry from the model.
     """
-    apart, even = base.mirrored(x, p), base.even()
-    if even is None or apart is None or np.abs(apart).max() > EVEN:
+    even = base.even(x, p)
+    if even is None:
         raise InputError(
             f"{shown(special)} cannot be followed: of branch points only those are at which symmetry breaks"
         )
     for j, name in enumerate(base.names):
         moved = p.copy()
         moved[j] += MOVED * base.spans[j]
-        if base.mirrored(x, moved) is None:
+        if even.m not in base.images(x, moved):
             raise InputError(
                 f"{name} takes the symmetry from the model, and the {special.type} with it; give another one"
             )
-    return even, even.half(x, p)
+    return even, even.part(x, p)

@@ -66,21 +66,22 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event] | None:
         one = located(equations, a, along, length, "pd", HALVES, uneven)
         if one is not None:
             return [one[1]]
-    images = [equations.mirrored(*unscaled(equations, q.z)) for q in (a, b)]
-    sizes = [0.0 if one is None else float(np.abs(one).max()) for one in images]
-    if images[1] is not None and sizes[1] <= ALIKE < sizes[0]:
-        return None
-    if images[0] is not None and images[1] is not None and float(images[0] @ images[1]) < 0.0:
-        if min(sizes) > ALIKE:
-            beside = images[0]
+    images = [equations.images(*unscaled(equations, q.z)) for q in (a, b)]
+    for m, beside in images[0].items():
+        other = images[1].get(m, beside)
+        sizes = [float(np.abs(one).max()) for one in (beside, other)]
+        if sizes[1] <= ALIKE < sizes[0]:
+            return None
+        if max(sizes) <= ALIKE:
+            continue
+        if min(sizes) > ALIKE and float(beside @ other) < 0.0:
 
-            def lopsided(q: Point) -> float:
-                apart = equations.mirrored(*unscaled(equations, q.z))
-                assert apart is not None
-                return float(beside @ apart)
+            def lopsided(q: Point, m: int = m, beside: Floats = beside) -> float:
+                return float(beside @ equations.images(*unscaled(equations, q.z))[m])
 
             found.append(located(equations, a, along, length, "bp", MIRRORS, lopsided))
             folds = folds and found[-1] is None  # there the branch turns round into its mirror image
+        break  # it is not even made of so many parts, so not of more
     if folds:
         found.append(located(equations, a, along, length, "lp", -1, lambda q: float(q.tangent[-1])))
     for i, (before, after) in enumerate(zip(a.tests, b.tests, strict=False)):
@@ -183,6 +184,8 @@ def located(
         equations.pieced and where != HALVES and not abs(rest) <= VANISHED
     ):  # next to an infinite slope all else is small
         return None
+    if type == "bp":  # there the derivative does not tell one branch from the other
+        point = point._replace(tangent=along)
     return s, Event(type, point, where, min(low, value), max(high, value), good)
 
 

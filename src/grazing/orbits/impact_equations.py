@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
-from math import floor, gcd
+from itertools import takewhile
+from math import floor
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,7 @@ from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closing import CONTACT, DEEP, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
 from grazing.orbits.closure import FIRED, WHOLE
 from grazing.orbits.contacts import (
+    PIECES,
     addresses,
     frames_at,
     letters_of_walls,
@@ -23,9 +25,9 @@ from grazing.orbits.contacts import (
     wall_of,
 )
 from grazing.orbits.equations import ONE, Equations, Test
-from grazing.orbits.even_equations import EvenEquations
+from grazing.orbits.even_equations import EVEN, EvenEquations
 from grazing.orbits.flight_equations import FlightEquations, Prepared
-from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.impact_orbit import ImpactOrbit, mirrors_in
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
@@ -40,13 +42,6 @@ Floats = NDArray[np.float64]
 
 #: Shortest flight, in periods: beyond, two impacts have become one.
 SHORTEST = 1e-9
-
-
-def force_turns(params: Mapping[str, float]) -> int:
-    """Return how often force and walls repeat themselves in a period T, by active harmonics; 0 if nothing moves."""
-    waves = ((name.rpartition(".")[2], value) for name, value in params.items())
-    return gcd(*(int(name[3:]) for name, value in waves
-                 if value != 0.0 and name[:3] in ("cos", "sin") and name[3:].isdigit()))  # fmt: skip
 
 
 class Profile(NamedTuple):
@@ -259,44 +254,48 @@ class ImpactEquations(FlightEquations):
         h = self.n // 2
         if self.n % 2 or self.N % 2 or self.pieces[:h] != self.pieces[h:]:
             return None
-        return self.uneven(x, self.period_at(p))
+        return self.uneven(x, self.period_at(p), 2)
 
-    def mirrored(self, x: Floats, p: Floats) -> Floats | None:
-        """Return by how much an orbit and its mirror image differ, scaled; None where they cannot be the same.
+    def images(self, x: Floats, p: Floats) -> dict[int, Floats]:
+        """Return by how much an orbit differs, scaled, from its images, by the number of parts it could be made of.
 
-        The image of an orbit is half a period T later, at the other wall each time, or at the same one where the force
-        repeats itself after T/2. One that is its own image repeats itself so after N/2 periods, and as many impacts: N
-        is odd.
+        With T/g the period of what moves the model, a solution is one again T/g later, and half of that later at the
+        other walls where the model is its own mirror image. So a turn N T of an orbit may be m parts that follow from
+        each other: where m divides N g, or 2 N g but not N g. Powers of two tell where a multiplier of one part is -1
+        and its symmetry breaks; in an even number of periods T that is where they double, see :meth:`halved`.
         """
-        h = self.n // 2
+        found: dict[int, Floats] = {}
         if self.n % 2 or self.N % 2 == 0:
-            return None
-        turns = force_turns(dict(zip(self.model.params, self.values(p).tolist(), strict=False)))
-        if turns % 2 == 0 and self.pieces[h:] == self.pieces[:h]:
-            return self.uneven(x, self.period_at(p))
-        if [1 - wall for wall in self.walls[h:]] != self.walls[:h]:
-            return None
-        if [piece_of(one) for one in self.pieces[h:]] != [piece_of(one) for one in self.pieces[:h]]:
-            return None
-        model = self.model_at(p)
-        return self.uneven(x, self.period_at(p)) if model.symmetric else None
+            return found
+        model, m = self.model_at(p), 2
+        turned, swapped = model.turns, tuple(PIECES * (1 - wall_of(one)) + piece_of(one) for one in self.pieces)
+        while self.n % m == 0:
+            h = self.n // m
+            later = self.pieces[h:] + self.pieces[:h]
+            mirror = m == mirrors_in(model) and later == swapped and model.symmetric
+            if mirror or (turned % m == 0 and later == self.pieces):
+                found[m] = self.uneven(x, self.period_at(p), m)
+            m *= 2
+        return found
 
-    def image(self, x: Floats, p: Floats) -> Floats | None:
-        """Return the mirror image of an orbit, begun at the impact that the first one is to it; None as above."""
-        apart, h = self.mirrored(x, p), self.n // 2
-        if apart is None:
-            return None
-        moves = np.concatenate([apart[:h], -apart[:h], apart[h:], -apart[h:]])
-        return np.asarray(x + moves * self.scale)
+    def reflections(self, x: Floats, p: Floats) -> list[Floats]:
+        """Return the images of an orbit, each begun at the impact that the first one is to it."""
+        n, turn, found = self.n, self.N * self.period_at(p), []
+        for m in self.images(x, p):
+            h = n // m
+            times = np.append(x[h:n], x[:h] + turn) - turn / m
+            found.append(np.append(times, np.roll(x[n:], -h)))
+        return found
 
-    def even(self) -> EvenEquations:
-        """Return the equations of the orbits that are their own mirror images."""
-        return EvenEquations(self)
+    def even(self, x: Floats, p: Floats) -> EvenEquations | None:
+        """Return the equations of the orbits that are made of equal parts, of as many as this one nearly is."""
+        near = [*takewhile(lambda image: np.abs(image[1]).max() < EVEN, self.images(x, p).items())]
+        return EvenEquations(self, near[-1][0]) if near else None
 
-    def uneven(self, x: Floats, T: float) -> Floats:
-        """Return by how much the second half of the impacts differs from the first one, scaled."""
-        n, h = self.n, self.n // 2
-        apart = np.append(x[h:n] - x[:h] - self.N / 2 * T, x[n + h :] - x[n : n + h])
+    def uneven(self, x: Floats, T: float, m: int) -> Floats:
+        """Return by how much the impacts of the second part of m differ from those of the first one, scaled."""
+        n, h = self.n, self.n // m
+        apart = np.append(x[h : 2 * h] - x[:h] - self.N / m * T, x[n + h : n + 2 * h] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
 
     def periods(self, x: Floats, p: Floats) -> Floats:

@@ -16,6 +16,14 @@ from grazing.oscillator.wall import NAMES
 ALIKE = 1e-7
 
 
+def mirrors_in(model: Rig) -> int:
+    """Return of how many parts, each the mirror image of the one before, a symmetric orbit is made: a power of two.
+
+    What moves the model has the period T/g, and half of it is an odd part of a turn N T, with N odd.
+    """
+    return 2 * (model.turns & -model.turns) or 2
+
+
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
 class ImpactOrbit(Orbit):
     """A periodic orbit of the oscillator; ``map`` is its stroboscopic map at phase 0, ``period`` is in its steps.
@@ -70,18 +78,21 @@ class ImpactOrbit(Orbit):
     def symmetric(self) -> bool:
         """Whether it is its own mirror image: half a period later it does the same at the other walls.
 
-        Only between the walls of a model that is its own mirror image, ``model.symmetric``.
+        Only between the walls of a model that is its own mirror image, ``model.symmetric``; that of what moves it is
+        the period that counts.
         """
-        n, h, N, model = len(self.times), len(self.times) // 2, self.period, self.model
-        if n % 2 or N % 2 == 0 or not model.symmetric:
+        n, N, model = len(self.times), self.period, self.model
+        m = mirrors_in(model)
+        if n % m or N % 2 == 0 or not model.symmetric:
             return False
         if n == 0:
             return True
-        if self.walls[h:].translate(str.maketrans(model.names, model.names[::-1])) != self.walls[:h]:
+        h, turn = n // m, N * model.period
+        if (self.walls[h:] + self.walls[:h]).translate(str.maketrans(model.names, model.names[::-1])) != self.walls:
             return False
-        late = self.times[h:] - self.times[:h] - 0.5 * N * model.period
+        late = np.append(self.times, self.times[:h] + turn)[h:] - self.times - turn / m
         speed = float(np.abs(self.outgoing).max(initial=0.0))
-        apart = np.abs(self.outgoing[h:] - self.outgoing[:h])
+        apart = np.abs(np.roll(self.outgoing, -h) - self.outgoing)
         return bool((np.abs(late) <= ALIKE * model.period).all() and (apart <= ALIKE * speed).all())
 
     def __repr__(self) -> str:

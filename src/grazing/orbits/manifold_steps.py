@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map, swift
-from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before
+from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, Seen, flown_back, impacts_before
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -138,6 +138,7 @@ class Backwards:
     def __init__(self, P: Map, ray: Ray, sides: Floats) -> None:
         assert P.model is not None
         self.map, self.model, self.ray, self.sides = swift(P), P.model, ray, sides
+        self.seen = Seen.at(P.model, P.params["phase"])
 
     def further(self, leaves: Leaves, n: int) -> Leaves:
         """Return every state from which n steps of the map lead to one of the points."""
@@ -170,20 +171,20 @@ class Backwards:
 
     def before(self, one: Flown) -> Flown:
         """Fly back one period."""
-        phase, sigma = self.map.params["phase"], self.model.sigma
+        sigma = self.model.sigma
         lines = np.zeros((len(one.state), 4))
         lines[:, HEIGHT], lines[:, CLIMB] = one.state[:, 0] - sigma, -one.state[:, 1]
         lines[:, BACK] = 0.0
         origin, code = np.arange(len(one.state)), one.code
         done = []
         for count in range(MAX_IMPACTS + 1):
-            flown_back(self.model, phase, lines)
+            flown_back(self.seen, lines)
             hit = lines[:, HIT] > 0.0
             ended = lines[~hit]
             state = np.column_stack([ended[:, HEIGHT] + sigma, -ended[:, CLIMB]])
             done.append(Flown(origin[~hit], code[~hit], state, np.full(len(ended), count)))
             lines, origin, code = lines[hit], origin[hit], code[hit]
-            speeds = impacts_before(self.model, phase, -lines[:, CLIMB])
+            speeds = impacts_before(self.seen, -lines[:, CLIMB])
             i, branch = np.nonzero(speeds > 0.0)
             if len(i) == 0:
                 break

@@ -193,15 +193,13 @@ def reflected(equations: Equations, here: Point, h: float) -> Point | None:
     Newton's method fails next to it in a narrow range, in which the parameter's rounding is a long way.
     """
     x, p = unscaled(equations, here.z)
-    image = equations.image(x, p)
-    if image is None:
-        return None
-    z = np.concatenate([image / equations.scale, here.z[len(x) :]])
-    chord = z - here.z
-    length = float(np.linalg.norm(chord))
-    if not (h <= length <= EVEN and here.tangent @ chord >= TOWARDS * length):
-        return None
-    return Point(z, tangent_of(linearised(equations, z)[1], chord / length), equations.tests(image, p))
+    for image in equations.reflections(x, p):
+        z = np.concatenate([image / equations.scale, here.z[len(x) :]])
+        chord = z - here.z
+        length = float(np.linalg.norm(chord))
+        if h <= length <= EVEN and here.tangent @ chord >= TOWARDS * length:
+            return Point(z, tangent_of(linearised(equations, z)[1], chord / length), equations.tests(image, p))
+    return None
 
 
 def on_piece(equations: Equations, z: Floats) -> NDArray[np.bool_]:

@@ -240,7 +240,8 @@ class Solutions:
         for (periods, pieces), found in sorted(self.found.items()):
             if periods == N and len(found):
                 swapped = tuple(PIECES * (1 - wall_of(one)) + piece_of(one) for one in pieces)
-                self.add(N, swapped, found + np.repeat([0.5 * self.T, 0.0], len(pieces)))
+                later = 0.5 * self.T / max(self.model.turns, 1)
+                self.add(N, swapped, found + np.repeat([later, 0.0], len(pieces)))
 
     def surely_virtual(self, x: Floats, equations: ImpactEquations) -> bool:
         """Whether a solution comes out of the wall, passes through it, or has a velocity into it, beyond doubt."""

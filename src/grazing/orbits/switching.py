@@ -11,7 +11,6 @@ from scipy.optimize import root_scalar
 
 from grazing.orbits.corrector import Point, closed, corrected, linearised, tangent_of, weighed
 from grazing.orbits.equations import Equations, Test
-from grazing.orbits.even_equations import EVEN
 from grazing.orbits.events import Event
 from grazing.orbits.finder import named
 from grazing.orbits.signature import equations_of
@@ -28,6 +27,8 @@ OF_THE_FLOW = ("gr", "v0", "law", "st", "bcb")
 ZERO = 1e-10
 #: Two turns that differ by less, in scaled unknowns, are one turn twice.
 REPEATED = 1e-5
+#: How far from where it is looked for a test function may vanish, in units of the range of the parameter.
+NEAR = 1e-4
 #: Last step of a secant, in units of the range of the parameter: the next one would be of the size of rounding.
 VANISHED = 1e-9
 #: A test function that begins at its zero is put on the side that the path goes to.
@@ -79,12 +80,15 @@ def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats,
     return half, *vanishing(half, closed, 0, x, p)
 
 
-def evened(equations: Equations, x: Floats, p: Floats) -> tuple[Floats, Floats, tuple[float, float] | None]:
+def evened(
+    equations: Equations, x: Floats, p: Floats, width: float
+) -> tuple[Floats, Floats, tuple[float, float] | None]:  # fmt: skip
     """Return where symmetric orbits have a multiplier 1, to rounding, from one that is nearly symmetric.
 
-    The solution, the parameter and a bracket of it, between whose ends the test function changes its sign; or None.
+    It is within the width of a bracket, in which the equations of all impacts may not have led to it. The solution, the
+    parameter and a bracket of it, between whose ends the test function changes its sign; or None.
     """
-    x, p, good = vanishing(equations, closed_evenly, 1, x, p)
+    x, p, good = vanishing(equations, closed_evenly, 1, x, p, max(NEAR, width / float(equations.spans[0])))
     value, reach = float(p[0]), 1e-15 * (abs(float(p[0])) + float(equations.spans[0]))
     while good and reach < 1e-9 * float(equations.spans[0]):
         ends = value - reach, value + reach
@@ -100,8 +104,7 @@ def evened(equations: Equations, x: Floats, p: Floats) -> tuple[Floats, Floats, 
 
 def nearly_even(equations: Equations, x: Floats, p: Floats) -> bool:
     """Whether an orbit is its own mirror image, or nearly so."""
-    apart = equations.mirrored(x, p)
-    return apart is not None and bool(np.abs(apart).max() < EVEN)
+    return equations.even(x, p) is not None
 
 
 def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
@@ -109,25 +112,25 @@ def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
 
     Where symmetry breaks the derivative is singular, but not among symmetric solutions.
     """
-    even = equations.even()
+    even = equations.even(x, p)
     if even is None:
         return None
-    half, before = even.half(x, p), np.inf
+    part, before = even.part(x, p), np.inf
     for _ in range(30):
-        F, J = even.defects(half, p)
+        F, J = even.defects(part, p)
         if not np.isfinite(J).all():
             return None
         F, J = weighed(F, J * even.scale)
         move = np.linalg.lstsq(J, F)[0]
-        size, half = float(np.abs(move).max()), half - move * even.scale
+        size, part = float(np.abs(move).max()), part - move * even.scale
         if size <= 1e-15 or (size <= 1e-9 and size >= 0.25 * before):
-            return even.whole(half, p)
+            return even.whole(part, p)
         before = size
     return None
 
 
 def vanishing(
-    equations: Equations, solve: Callable[..., Floats | None], test: int, x: Floats, p: Floats
+    equations: Equations, solve: Callable[..., Floats | None], test: int, x: Floats, p: Floats, near: float = NEAR
 ) -> tuple[Floats, Floats, bool]:
     """Return the solution and parameter nearby at which a test function, by its number, is zero; and whether it is."""
 
@@ -139,10 +142,10 @@ def vanishing(
     begin = float(p[0] / equations.spans[0])
     with np.errstate(invalid="ignore"):
         found = root_scalar(height, x0=begin, x1=begin + 1e-6, xtol=VANISHED, method="secant")
-    near = found.converged and abs(found.root - begin) < 1e-4
-    p = found.root * equations.spans if near else p
+    good = found.converged and abs(found.root - begin) < near
+    p = found.root * equations.spans if good else p
     solved = solve(equations, x, p)
-    return x if solved is None else solved, p, bool(near and solved is not None)
+    return x if solved is None else solved, p, bool(good and solved is not None)
 
 
 def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[Seed]:
@@ -170,10 +173,8 @@ def switched(special: Special, name: str, bounds: tuple[float, float]) -> list[S
     if special.type == "pd":
         across = other[-1] * one - one[-1] * other
     else:
-        ahead = tangent_of(wide, special.direction if special.direction is not None else one)
-        across = (
-            other - (other @ ahead) * ahead if abs(other @ ahead) < abs(one @ ahead) else one - (one @ ahead) * ahead
-        )
+        ahead = special.direction if special.direction is not None else one
+        across = (ahead @ one) * other - (ahead @ other) * one
     across = across / np.linalg.norm(across)
     seeds = []
     for direction in (across,) if special.type == "pd" else (across, -across):

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, flown_back, impacts_before, periods_later, touches
+from grazing.orbits.backward import BACK, CLIMB, HEIGHT, HIT, Seen, flown_back, impacts_before, periods_later, touches
 from grazing.oscillator.constants import constants_of, section_phase
 from grazing.oscillator.contact import window_sign
 from grazing.oscillator.model import Oscillator
@@ -83,7 +83,7 @@ def stirred(code: NDArray[np.uint64], step: Any) -> NDArray[np.uint64]:
 
 def traced(model: Oscillator, phase: float, back: Floats, window: Ints, orders: int) -> Leaves:
     """Follow touches at times T - back through ``orders`` periods back, every branch of the inverse law."""
-    period = model.period
+    period, seen = model.period, Seen.at(model, phase)
     lines = np.zeros((len(back), 4))
     lines[:, BACK] = back
     which = np.arange(len(back))
@@ -94,7 +94,7 @@ def traced(model: Oscillator, phase: float, back: Floats, window: Ints, orders: 
         count = np.zeros(len(lines), np.int64)  # impacts in this period
         done = []
         for _ in range(MAX_IMPACTS + 1):
-            flown_back(model, phase, lines)
+            flown_back(seen, lines)
             hit = lines[:, HIT] > 0.0
             done.append((lines[~hit], which[~hit], code[~hit], ancestor[~hit], impacts[~hit], hop[~hit]))
             lines, which, code, ancestor = lines[hit], which[hit], code[hit], ancestor[hit]
@@ -102,7 +102,7 @@ def traced(model: Oscillator, phase: float, back: Floats, window: Ints, orders: 
             if order == 0:
                 hop = np.where(impacts == 0, lines[:, BACK] - back[which], hop)
                 impacts = impacts + 1
-            speeds = impacts_before(model, phase, -lines[:, CLIMB])
+            speeds = impacts_before(seen, -lines[:, CLIMB])
             speeds[hop < SHORTEST * period] = np.nan
             i, branch = np.nonzero(speeds > 0.0)
             lines = lines[i]

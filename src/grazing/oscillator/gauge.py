@@ -24,7 +24,7 @@ from grazing.oscillator.walled_trajectory import above_first
 Floats = NDArray[np.float64]
 
 #: What is read from a motion, each over a whole cycle, and its units for a model in SI units: of position and velocity,
-#: and of impacts, 0 where there is none.
+#: and of impacts, 0 where there is none; the impulse is also that of a wall on which the ball lies.
 READINGS = {
     "amplitude": ("amplitude, half of peak to peak", "m"),
     "mean": ("mean position", "m"),
@@ -186,6 +186,7 @@ def gauged(model: Rig, cycle: Cycle) -> dict[str, float]:
     {'amplitude': 0.333333333333, 'mean': 1.0, 'peak_velocity': 0.333333333333, 'rms_velocity': 0.235702260396}
     """
     half, u, v = _pieces(model, cycle)
+    pressed, lies = _pressed(model, cycle), cycle.rides[:, 2]
     time = cycle.periods * model.period
     # relative to a wall that moves these speeds are not those of the ball, which the pieces have
     speeds = np.concatenate([-cycle.incoming, cycle.outgoing, [0.0]]) if not model.walled else np.zeros(1)
@@ -195,24 +196,33 @@ def gauged(model: Rig, cycle: Cycle) -> dict[str, float]:
         "mean": float((2.0 * u[:, 0] * half).sum() / time) + above_first(model).sigma,
         "peak_velocity": max(_greatest(v, speeds), _greatest(-v, speeds)),
         "rms_velocity": float(np.sqrt((v * v @ (1.0 / _DEGREES) * half).sum() / time)),  # Parseval
-        **_struck(cycle, np.ones(len(cycle.walls), bool)),
+        **_struck(cycle, np.ones(len(cycle.walls), bool), pressed),
     }
     for j, wall in enumerate(() if len(model.walls) < 2 else model.names):
-        found |= {f"{wall}.{name}": value for name, value in _struck(cycle, cycle.walls == j).items()}
+        struck = _struck(cycle, cycle.walls == j, pressed[lies == j])
+        found |= {f"{wall}.{name}": value for name, value in struck.items()}
     return found
 
 
-def _struck(cycle: Cycle, hits: NDArray[np.bool_]) -> dict[str, float]:
-    """Return what is read from some of the impacts, by the names in :data:`BY_WALL`."""
+def _struck(cycle: Cycle, hits: NDArray[np.bool_], pressed: Floats) -> dict[str, float]:
+    """Return what is read from some of the impacts and rides, by the names in :data:`BY_WALL`."""
     incoming, outgoing = cycle.incoming[hits], cycle.outgoing[hits]
     speeds = float(np.abs(incoming).max(initial=0.0)), float(-incoming.mean()) if incoming.size else 0.0
-    return dict(
-        zip(
-            BY_WALL,
-            (*speeds, float((outgoing - incoming).sum()) / cycle.periods, incoming.size / cycle.periods),
-            strict=True,
-        )
-    )
+    impulse = float((outgoing - incoming).sum() + pressed.sum())
+    return dict(zip(BY_WALL, (*speeds, impulse / cycle.periods, incoming.size / cycle.periods), strict=True))
+
+
+def _pressed(model: Rig, cycle: Cycle) -> Floats:
+    """Return the impulse of the wall in each ride: the integral of -F, the force as the wall sees it."""
+    found = np.zeros(len(cycle.rides))
+    for j, seen in enumerate(model.seen):
+        on, f = cycle.rides[:, 2] == j, seen.forcing
+        begins, lasts = cycle.rides[on, :2].T
+        order = f.omega * np.arange(1, len(f.cos) + 1)
+        first, last = (np.outer(cycle.start + t + f.t0, order) for t in (begins, begins + lasts))
+        waves = (np.sin(last) - np.sin(first)) @ (f.cos / order) - (np.cos(last) - np.cos(first)) @ (f.sin / order)
+        found[on] = (seen.k2 * seen.sigma - f.offset) * lasts - waves
+    return found
 
 
 def _pieces(model: Rig, cycle: Cycle) -> tuple[Floats, Floats, Floats]:

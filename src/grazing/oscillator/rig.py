@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from math import pi
+from math import gcd, pi
 from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple, Self
 
 import numpy as np
@@ -99,8 +99,15 @@ class Rig:
         return any(one.motion is not None for one in self.walls)
 
     @property
+    def turns(self) -> int:
+        """How often what moves it repeats itself in a period, by the harmonics that it has; 0 if nothing moves."""
+        waves = ((name.rpartition(".")[2], value) for name, value in self.params.items())
+        return gcd(*(int(name[3:]) for name, value in waves
+                     if value != 0.0 and name[:3] in ("cos", "sin") and name[3:].isdigit()))  # fmt: skip
+
+    @property
     def symmetric(self) -> bool:
-        """Whether the model is its own mirror image half a period later."""
+        """Whether the model is its own mirror image half a period later, of the period of what moves it."""
         return False
 
     def rows_seen_from(self, j: int, rows: Floats) -> Floats:

@@ -189,8 +189,9 @@ class Walled(Rig):
     def symmetric(self) -> bool:
         """Whether the model is its own mirror image half a period later, as far as rounding tells.
 
-        Then (u, t) -> (2 m - u, t + T/2) takes motions to motions, with m the middle between the walls: both have the
-        same law, and what the upper one sees is what the lower one saw half a period before.
+        Then (u, t) -> (2 m - u, t + T/(2 g)) takes motions to motions, with m the middle between the walls, and T/g the
+        period of what moves it (:attr:`turns`): both have the same law, and what the upper one sees is what the lower
+        one saw half of that before.
         """
         if len(self.walls) < 2:
             return False
@@ -203,7 +204,8 @@ class Walled(Rig):
         for one in seen:
             one[0] -= self.k2 * one[-1]  # the constant force on a ball at the wall
         seen = [one[:-1] for one in seen]
-        later = np.concatenate([[1.0], np.repeat((-1.0) ** np.arange(1, self.harmonics + 1), 2)])
+        turns = np.arange(1, self.harmonics + 1) // max(self.turns, 1)  # all other harmonics are 0
+        later = np.concatenate([[1.0], np.repeat((-1.0) ** turns, 2)])
         between = self.waves(1, rows)[0] - self.waves(0, rows)[0]
         size = np.abs(self.waves(0, rows)).max() + abs(self.walls[1].position - self.walls[0].position)
         odd = later[1:] < 0.0
