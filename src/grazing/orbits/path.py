@@ -129,8 +129,7 @@ def follow(
             if met is None and there is here:
                 path.ended = "lost"
                 return path
-        turned = there is not None and image is None and float(there.tangent @ here.tangent) < STRAIGHT
-        if there is None or (met is None and turned):
+        if there is None or (met is None and image is None and float(there.tangent @ here.tangent) < STRAIGHT):
             if h <= SHORTEST:
                 if there is None:
                     path.ended = "lost"
