@@ -317,6 +317,8 @@ print(ours.compiled(lambda x: 3.0 * x + 17.25)(2.0))
 @pytest.mark.parametrize("lock", ["ours", "numba's"])
 def test_a_process_forked_while_another_thread_compiles_says_so(lock, tmp_path):
     """It waited for a thread that is not there."""
-    done = python(FORKED, lock, env={**os.environ, "NUMBA_DISABLE_JIT": "0", "GRAZING_CACHE": str(tmp_path)})
+    env = {**os.environ, "NUMBA_DISABLE_JIT": "0", "GRAZING_CACHE": str(tmp_path)}
+    done = python(f"import sys; sys.path.insert(0, {SOURCE!r})\n{FORKED}", lock, env=env)
+    assert done.returncode == 0, done.stderr
     said, status, value = done.stdout.splitlines()
     assert "was forked while another thread compiled" in said and (status, value) == ("0", "23.25")
