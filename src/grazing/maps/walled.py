@@ -9,9 +9,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.blocks import block_tasks
 from grazing.maps.columns import Columns
 from grazing.maps.derivative import Derived, deriving, stepping
-from grazing.maps.ensemble import Setting, block_tasks
+from grazing.maps.ensemble import Setting
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfWalls, apart
@@ -96,7 +97,7 @@ class Strobed(OfWalls):
     def block(
         self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
     ) -> list[Task]:
-        """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does."""
+        """Return tasks as :func:`grazing.maps.blocks.ensemble_tasks` does."""
         model = self.rig
         numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
         laws = [one.law for one in model.walls]
