@@ -62,23 +62,39 @@ def recorder_of(
     A leg is a flight or a rest from (period, t, y, v) to t_end; v_minus and v_plus are NaN where it ends without an
     impact. As in the stroboscopic map, the state at each strobe is the one that the next decisions are right for.
     """
-    return _recorder_of(departure_of(law, slope, contraction), prepare, kind, True)
+    return compiled(_recorder_of(departure_of(law, slope, contraction), prepare, kind, True))
+
+
+def walled_recorder(harmonics: int) -> Callable[..., int]:
+    """Compile :func:`walled_recorder_of` for laws by address."""
+    return walled_recorder_of(*POINTED, frames_of(harmonics), frames_kind(harmonics))
 
 
 @lru_cache(maxsize=64)
-def walled_recorder(harmonics: int) -> Callable[..., int]:
-    """Compile ``record(row, state, legs, until, patience)``: fill legs until a time or the table's end.
+def walled_recorder_of(
+    law: Callable[..., float],
+    slope: Callable[..., float],
+    contraction: Callable[..., Any],
+    prepare: Callable[..., Any],
+    kind: type,
+) -> Callable[..., int]:
+    """Compile ``record(row, state, legs, until)``: fill legs until a time or the table's end.
 
     ``state`` holds (periods, t, u or y, v, window, fastest, in the air, wall): at a strobe the state (u, v), else the
     ball as a wall sees it. It is moved along, so the call can be repeated.
     """
-    return _recorder_of(departure_of(*POINTED), frames_of(harmonics), frames_kind(harmonics), False)
+    between = _recorder_of(departure_of(law, slope, contraction), prepare, kind, False)
+
+    def record(row: Any, state: Any, legs: Any, until: float) -> int:
+        return between(row, state, legs, until, PATIENCE)
+
+    return compiled(record)
 
 
 def _recorder_of(
     departure: Callable[..., Any], prepare: Callable[..., Any], kind: type, still: bool
 ) -> Callable[..., int]:
-    """Compile the recorder; ``still`` is for one wall at rest below the ball, whose frames are ``alone``."""
+    """Return the recorder; ``still`` is for one wall at rest below the ball, whose frames are ``alone``."""
     unpack = unpacker(kind)
 
     def record(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
@@ -132,7 +148,7 @@ def _recorder_of(
             state[7] = numbered(b)
         return count
 
-    return compiled(record)
+    return record
 
 
 @lru_cache(maxsize=64)
@@ -160,16 +176,17 @@ def flown_legs(model: Rig, state: tuple[float, float], start: float, until: floa
     if model.walled:
         rows, source = frames_rows(model, np.array([[*model.params.values(), start]], np.float64), "strict")
         row, record, now = rows[0], walled_recorder(model.harmonics), np.array([0.0, 0.0, u, v, 0.0, 0.0, 0.0, 0.0])
+        given: tuple[Any, ...] = (until - start,)
     else:
         prepare = constants_of(model.harmonics, section_phase)
         row, source = pointed_model(model.seen[0], start)
         record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
-        now = np.array([0.0, 0.0, u - model.walls[0].position, v, 0.0, 0.0, 0.0])
+        now, given = np.array([0.0, 0.0, u - model.walls[0].position, v, 0.0, 0.0, 0.0]), (until - start, PATIENCE)
     who = " or ".join(dict.fromkeys(f"the reset law {wall.law.name}" for wall in model.walls))
     tables, impacts = [], 0
     while now[0] * model.period + now[1] < until - start:
         legs = np.zeros((CAPACITY, 11))
-        count = call(record, row, now, legs, until - start, PATIENCE, who=who)
+        count = call(record, row, now, legs, *given, who=who)
         tables.append(legs[:count])
         bad = legs[:count][legs[:count, FLAGS].astype(int) & BAD_LAW != 0]
         if bad.size:
