@@ -91,6 +91,8 @@ class Origin(ByValue):
     stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
     asks: str = "the reset law"
+    #: What proves orbits of the map, ``module:function``; that of an oscillator refuses all others.
+    prover: ClassVar[str] = "grazing.proof.certify:certify_impacts"
 
     @property
     def finder(self) -> str:
