@@ -34,6 +34,7 @@ from grazing.oscillator.frames import (
     frames_rows,
     inside_wall,
     plain_frames,
+    rest_in_doubt,
     seen_at_strobe,
     seen_from_strobe,
     walls_at_strobe,
@@ -90,7 +91,7 @@ def walled_of(first: Law, second: Law, with_tangent: bool) -> Callable[..., Any]
         if T > MAX_SWINGS * c.a.piece:
             return (NAN, NAN), 0, TOO_MANY_SWINGS, lost, INFINITY, INFINITY
         b, ball = seen_from_strobe(u, v, c)
-        impacts, outcome, near, slow = 0, OK, INFINITY, INFINITY
+        impacts, outcome, near, slow = 0, (AMBIGUOUS if rest_in_doubt(u, v, c) else OK), INFINITY, INFINITY
         contact = ball.y == 0.0 and ball.v <= 0.0
         smooth, letter, special, lay = True, 0, 0, False
         while True:

@@ -21,6 +21,7 @@ from grazing.oscillator.frames import (
     frames_kind,
     frames_of,
     frames_rows,
+    rest_in_doubt,
     seen_at_strobe,
     seen_from_strobe,
 )  # fmt: skip
@@ -28,7 +29,7 @@ from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.oscillator.reset import in_python
 from grazing.oscillator.rig import Rig
-from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError, defined
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, OK, InputError, UserCodeError, defined
 from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
@@ -129,9 +130,11 @@ def walled_recorder(harmonics: int) -> Callable[..., int]:
             leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
             leg[9], leg[10] = numbered(b), numbered(b)
             count += 1
+            doubt = AMBIGUOUS if grounded and rest_in_doubt(u, v, c) else OK
             hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
             if not hit:
                 hit, b, ball, flags, _near = first_contact(ball, b, c)
+            flags |= doubt
             leg[4], leg[10] = ball.t, numbered(b)
             if hit:
                 arrived = ball.v
