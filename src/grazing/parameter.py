@@ -127,10 +127,10 @@ def _is_name(text: str) -> bool:
 
 def checked_coordinates(names: Any) -> tuple[str, ...]:
     """Return the names of coordinates, or raise InputError."""
-    given = tuple(names) if isinstance(names, Sequence) else ()
-    if not given or isinstance(names, (str, bytes)) or not all(isinstance(name, str) and name for name in given):
+    several = isinstance(names, Sequence) and not isinstance(names, (str, bytes)) and len(names) > 0
+    if not several or not all(isinstance(name, str) and name for name in names):
         raise InputError(f"coordinates are {shown(names)}; give their names, such as ('x', 'y')")
-    return tuple(map(str, given))
+    return tuple(map(str, names))
 
 
 def in_order(values: Any) -> Any:

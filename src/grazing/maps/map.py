@@ -480,7 +480,9 @@ class Map(ByValue):
         return matrix
 
     def images(self) -> Images:
-        """Return what applies the pieces of a map by pieces, beyond their borders too."""
+        """Return what applies the pieces of a map by pieces, beyond their borders too; raise InputError for others."""
+        if self.formulas is None:
+            raise InputError(f"{self.name} has no pieces; make it with gz.Map(pieces={{'L': f, 'R': g}}, border=h)")
         return Images(self)
 
     def derivative(self, rows: Floats) -> Derived:
