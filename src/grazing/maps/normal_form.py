@@ -184,7 +184,7 @@ class NormalForm:
             raise OutsideForm(f"μ does not change with {self.name} at the graze; vary another parameter")
         far = self.graze + mu / slope
         if abs(mu) <= abs(self.mu(self.graze)) or abs(far - self.graze) <= 4.0 * ulp(self.graze):  # that is rounding
-            return far
+            return float(far)
         for factor in (1.0 + 1e-9, 1.05, 1.3, 2.0, 4.0):
             edge = self.graze + factor * (far - self.graze)
             try:
