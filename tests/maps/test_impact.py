@@ -11,7 +11,7 @@ from tests.models import MODELS
 
 
 @pytest.mark.parametrize(
-    "name", ["standard", "under-damped", "three harmonics", "near resonance", "trigger", "critical"]
+    "name", ["standard", "under-damped", "two harmonics", "near resonance", "trigger", "critical"]
 )
 def test_determinant_law(name):
     """Area in (tau, w): det = e^{-alpha t} (v0/v1) g'(v1), t the time of flight, v0 after, v1 before an impact.
