@@ -10,9 +10,7 @@ from grazing.outcome import CHATTER, NO_IMPACT, STUCK
 from tests.models import MODELS
 
 
-@pytest.mark.parametrize(
-    "name", ["standard", "under-damped", "two harmonics", "near resonance", "trigger", "critical"]
-)
+@pytest.mark.parametrize("name", ["standard", "under-damped", "two harmonics", "near resonance", "trigger", "critical"])
 def test_determinant_law(name):
     """Area in (tau, w): det = e^{-alpha t} (v0/v1) g'(v1), t the time of flight, v0 after, v1 before an impact.
 

@@ -28,8 +28,8 @@ CASES = {
     "passive, dead": (gz.pinball(V=0.0, r=0.0, d=0.0), 1),
     "two harmonics": (
         gz.Oscillator(
-            alpha=0.5, k=1.3, forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, -0.3), sin=(0.1, 0.25)), sigma=-0.3,
-            reset=gz.active(r=0.7, V=0.2),
+            alpha=0.5, k=1.3, sigma=-0.3, reset=gz.active(r=0.7, V=0.2),
+            forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, -0.3), sin=(0.1, 0.25)),
         ),
         1,
     ),

@@ -12,7 +12,6 @@ from tests.models import TWO_HARMONICS
 from tests.proof.orbits import without_impacts
 
 
-
 def edges(model, name, N, **more):
     """Every edge of the windows of a model that can be enclosed, with an orbit a tenth inside the window."""
     found = windows(model, name, N=N, **more)
