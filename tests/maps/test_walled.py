@@ -13,11 +13,11 @@ from grazing.maps.hits import CHATTER, LAY, MANY
 from grazing.outcome import FATAL, Outcome
 from grazing.parameter import parameters
 
-#: Over-damped, under-damped, undamped, critical and free flights, with one to three harmonics.
+#: Over-damped, under-damped, undamped, critical and free flights, with one harmonic or two.
 FLIGHTS = {
     "over": (3.0, 1.0, gz.Forcing(omega=2.2, offset=0.12)),
     "under": (0.2, 1.1, gz.Forcing(omega=1.7, t0=0.2, offset=0.1, cos=(1.2, 0.3))),
-    "undamped": (0.0, 2.0, gz.Forcing(omega=1.3, cos=(1.0, 0.0, 0.4), sin=(0.2,))),
+    "undamped": (0.0, 2.0, gz.Forcing(omega=1.3, cos=(1.0, 0.4), sin=(0.2,))),
     "critical": (2.0, 1.0, gz.Forcing(omega=1.0, cos=(2.0,))),
     "free": (0.0, 0.0, gz.Forcing(omega=2.0, cos=(1.5,))),
     "dragged": (0.3, 0.0, gz.Forcing(omega=2.0, offset=-0.1, cos=(1.5,))),
@@ -117,7 +117,7 @@ def test_turning_everything_round_swaps_the_walls(flight):
 def test_a_symmetric_model_repeats_itself_after_half_a_period_upside_down():
     law = gz.newton(0.75)
     m = gz.Oscillator(
-        0.1, 0.7, gz.Forcing(omega=1.9, cos=(1.4, 0.0, 0.3)), walls=(gz.wall(-0.3, law), gz.wall(0.3, law))
+        0.1, 0.7, gz.Forcing(omega=1.9, cos=(1.4,), sin=(0.3,)), walls=(gz.wall(-0.3, law), gz.wall(0.3, law))
     )
     T = m.period
     for start in starts(gz.stroboscopic_map(m), 6):
