@@ -105,15 +105,26 @@ def numbered(b: bool) -> float:
     return 1.0 if b else 0.0
 
 
-@lru_cache(maxsize=64)
 def walled_recorder(harmonics: int) -> Callable[..., int]:
+    """Compile :func:`walled_recorder_of` for laws by address."""
+    return walled_recorder_of(*POINTED, frames_of(harmonics), frames_kind(harmonics))
+
+
+@lru_cache(maxsize=64)
+def walled_recorder_of(
+    law: Callable[..., float],
+    slope: Callable[..., float],
+    contraction: Callable[..., Any],
+    prepare: Callable[..., Any],
+    kind: type,
+) -> Callable[..., int]:
     """Compile ``record(row, state, legs, until)``: fill legs until a time or the table's end.
 
     ``state`` holds (periods, t, u or y, v, window, fastest, in the air, wall): at a strobe the state (u, v), else the
     ball as a wall sees it. It is moved along, so the call can be repeated.
     """
-    departure, prepare = departure_of(*POINTED), frames_of(harmonics)
-    unpack = unpacker(frames_kind(harmonics))
+    departure = departure_of(law, slope, contraction)
+    unpack = unpacker(kind)
 
     def record(row: Any, state: Any, legs: Any, until: float) -> int:
         c = prepare(unpack(row))

@@ -8,6 +8,7 @@ import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
 import { allowed, later } from "./state.js";
 import { isPinball } from "./text.js";
+import { still } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
@@ -26,6 +27,7 @@ export function rowOf(machine, state) {
   return Float64Array.from(machine.described.fields, ({ name, choices }) => {
     if (name === "order") return 0;
     if (name === "paper") return Number(isPinball(state));
+    if (name === "two") return Number(state.two);
     return choices ? choices.indexOf(valueOf(state, name)) : valueOf(state, name);
   });
 }
@@ -143,8 +145,8 @@ export class FlowView {
    * @param {Pick<import("./diagram.js").Spec, "span" | "columns" | "starts" | "transient" | "keep" | "seed" | "tolerance" | "colour">} common
    */
   #reduce(state, row, which, field, common) {
-    this.form = normalForm(this.machine, row, which, field);
-    this.why = this.form ? "" : "No graze of the steady response is near: there is no normal form in this parameter.";
+    this.form = still(state) ? normalForm(this.machine, row, which, field) : null;
+    this.why = this.form ? "" : !still(state) ? "The normal form is that of one wall at rest." : "No graze of the steady response is near: there is no normal form in this parameter.";
     this.windows = [];
     /** @type {import("./diagram.js").Spec | null} */
     let spec = null;

@@ -75,11 +75,14 @@ export class Search {
 /** In place of the classes while they are searched. */
 export const SEARCHING = "Looking for what random starts settle on …";
 
+/** The word of a ball that only lies. */
+export const RESTS = /^(S|\(S[AB]\))+$/;
+
 /** The impacts of a class, in words; nothing for a map that does not count them. @param {Class} each */
 function impactsOf({ impacts, word, length, period }) {
   const turns = length !== period ? ` in ${length} periods` : "";
   if (impacts !== null) return impacts === 0 ? ", no impact" : `, ${impacts === 1 ? "one impact" : `${impacts} impacts`}${turns}`;
-  if (/^S+$/.test(word)) return ", at rest on the wall";
+  if (RESTS.test(word)) return ", at rest on the wall";
   return /[CS]/.test(word) ? `, impacts that die away in completed chatter${word.includes("S") ? ", and rest on the wall" : ""}` : "";
 }
 
