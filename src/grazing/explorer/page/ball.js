@@ -134,7 +134,7 @@ export class BallView {
     this.model = { row, walls: state, T };
     if (anew) this.search.forget();
     const which = machine.fields.indexOf(state.vary);
-    this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(T));
+    this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(state));
     this.#diagram(anew);
     this.company.show(state);
     if (key === this.key && thrown === this.thrown) return this.draw();

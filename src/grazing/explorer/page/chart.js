@@ -104,7 +104,7 @@ export class ChartView {
       if (high <= low) throw new Error(`positions run from ${state.positions.join(" to ")}, behind a wall; choose some that are not`);
       return {
         machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
-        ends: [[low, high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(T),
+        ends: [[low, high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(state),
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
@@ -112,7 +112,7 @@ export class ChartView {
     const common = { machine, basins: false, names, which: names.map((name) => machine.fields.indexOf(name)), row, sizes };
     return gap
       ? { ...common, name: "gap", keys: ["span", "gaps"], ends: [state.span, state.gaps], settings: { starts: 8, transient: 500, keep: 64 }, cost: 1 }
-      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(T) };
+      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(state) };
   }
 
   /** @param {State} state */
@@ -132,6 +132,7 @@ export class ChartView {
       if (same !== this.#same) this.#seen = undefined;
       this.#same = same;
       this.canvas.dataset.stage = "computing";
+      this.#begun = performance.now();
       this.#compute(plan, this.codes).catch((error) => {
         this.canvas.dataset.stage = "failed";
         this.problem(`The chart could not be computed: ${error.message}.`);
@@ -140,7 +141,7 @@ export class ChartView {
     if (!plan.basins) {
       const gap = plan.name === "gap", which = plan.which[0];
       const T = gap ? 1 : (2 * Math.PI) / state.omega;
-      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(T));
+      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(state));
     }
     this.paint();
   }
@@ -178,6 +179,8 @@ export class ChartView {
     this.paint();
     this.done();
   }
+
+  /** When the picture was begun. */ #begun = 0;
 
   #soon() {
     this.#asked ||= requestAnimationFrame(() => {
@@ -249,6 +252,7 @@ export class ChartView {
     const symbols = this.#symbols();
     axes.frame(symbols[0], symbols[1]);
     this.#legend(c);
+    if (this.canvas.dataset.stage === "computing") axes.progress(this.codes ? 1 - this.codes.filter((code) => code === NONE).length / this.codes.length : 0, this.#begun);
     this.gestures.draw(c);
   }
 

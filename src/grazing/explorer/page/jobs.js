@@ -146,13 +146,13 @@ export function found(machine, { row, which, value, starts = 16, transient, keep
   return classes;
 }
 
-/** Where a few orbits have a coordinate, and a little more; `slow` where a period of the forcing is long. @param {Machine} machine @param {Columns & {coordinate: number, slow: boolean}} job */
-export function extent(machine, { row, which, values, coordinate, seed, slow }) {
+/** Where a few orbits have a coordinate, and a little more. @param {Machine} machine @param {Columns & Steps & {coordinate: number}} job */
+export function extent(machine, { row, which, values, coordinate, starts, transient, keep, seed }) {
   const dimension = machine.described.coordinates.length;
-  const starts = slow ? 2 : 6, keep = slow ? 4 : 40, columns = values.length;
+  const columns = values.length;
   const rows = rowsOf(row, which, values);
   const lanes = drawn(machine, rows, values, starts, seed);
-  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient: slow ? 3 : 100 }, ["points"]);
+  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient }, ["points"]);
   let low = Infinity, high = -Infinity;
   for (let q = 0; q < columns * keep; q++) {
     for (let j = 0; j < starts; j++) {
