@@ -158,11 +158,9 @@ def sunk(row: Any, last: int, x: float, y: float, faces: int, circles: int, rows
     Or behind a face that ends there: the ball does not meet it where it is.
     """
     e = CORNER * GAP * EPS * (abs(x) + abs(y) + abs(x - row[PX]) + abs(y - row[PY]) + row[SIZE])
-    bx, by = from_end_of_arc(row, x, y, e)
-    if bx == 0.0 and by == 0.0:
-        return False
-    rise, _middle = joint(last, faces, circles, rows, x, y, bx, by, e)
-    return rise < -RISES or shut_off(-1, (bx, by), last, x, y, faces, circles, rows)
+    b = from_end_of_arc(row, x, y, e)  # (0, 0) is neither below nor covered
+    rise, _middle = joint(last, faces, circles, rows, x, y, b[0], b[1], e)
+    return rise < -RISES or shut_off(-1, b, last, x, y, faces, circles, rows)
 
 
 @inlined
