@@ -272,3 +272,11 @@ def test_it_is_the_same_in_any_unit(law, offset, a, b):
     assert (other.l, other.r) == pytest.approx((one.l, one.r), rel=1e-12)
     assert (other.graze, other.acceleration) == (one.graze * L / T**2, one.acceleration * L / T**2)
     assert other.parameter(0.01) == pytest.approx(one.parameter(0.01) * L / T**2, rel=1e-12)
+
+
+@pytest.mark.parametrize("mu", [2.2e-308, -2.2e-308, 5e-324, 1e-17, -1e-17, 1e-12])
+def test_a_mu_of_the_size_of_rounding_has_a_parameter(mu):
+    """At the graze μ is rounding, here -2e-17 or so, and smaller ones of its sign were found nowhere: a ValueError."""
+    for alpha in (0.5, 1.0, 2.0, 3.0):
+        nf = gz.normal_form(gz.pinball(alpha=alpha), "d")
+        assert nf.parameter(mu) == pytest.approx(nf.graze, abs=1e-10)

@@ -1,5 +1,7 @@
 """Branches: closed forms, methods against each other, laws, and what a wrong call is told."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -504,3 +506,13 @@ def test_a_saddle_turns_too_and_real_multipliers_do_not(a, d, t, b):
     (orbit,) = gz.periodic_orbits(P, 1, starts=20)
     found = [(one.type, one.converged, one.value) for one in gz.continuation(P, orbit, "a", (0.9 * a, 1.1 * a)).special]
     assert found == ([("ns", True, pytest.approx(a, abs=1e-9))] if t else [])
+
+
+def test_a_branch_has_nothing_far_away():
+    """The products of differences were too large for a double there, and too small where a range is very narrow."""
+    model = gz.pinball(d=0.11, V=0.4)
+    orbit = gz.one_impact_orbits(model, 3)[0]
+    branch = continuation(orbit.map, orbit, "d", (0.105, 0.115))
+    assert branch.at(1.7e154) == branch.at(-1e308) == ()
+    piece = replace(branch.pieces[0], values=np.array([1.0, 2.0, 3.0]) * 1e-170)
+    assert piece.passing(2.5e-170) == [1] and piece.passing(2e-170) == [0, 1] and piece.passing(4e-170) == []
