@@ -16,10 +16,9 @@ from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import unit
 from grazing.maps.derivative import deriving, plainly, stepping
 from grazing.maps.discontinuity import ORDERS, local_map_of, zero_time_of
-from grazing.maps.period import period_of
+from grazing.maps.period import period_of, walled_period
 from grazing.maps.reduction import graze_search_of, has_steady_response, mu_factor, reduction_of, steady_low
 from grazing.maps.starting import paper_box, reach_box
-from grazing.maps.walled import walled_of
 from grazing.oscillator.constants import HEAD, constants_of, section_phase
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.frames import alone, frame_of, linked
@@ -170,7 +169,7 @@ def local_step(state: Any, c: Any) -> Any:
 
 
 ONE, ONE_TANGENT = period_of(*LAW, False), period_of(*LAW, True)
-MORE, MORE_TANGENT = walled_of(LAW, LAW, False), walled_of(LAW, LAW, True)
+MORE, MORE_TANGENT = walled_period(LAW, LAW, False), walled_period(LAW, LAW, True)
 
 
 def period(state: Any, c: Any) -> Any:
