@@ -112,7 +112,7 @@ def test_bits_do_not_depend_on_the_size_of_a_block(way, n):
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("way", [("block", "fast"), ("scalar", "strict")])
 def test_bits_do_not_depend_on_how_many_blocks_are_a_tile(monkeypatch, way, threads):
-    columns = np.tile(np.arange(len(ROWS)), 40)  # 280 blocks of two columns each: several in a task
+    columns = np.tile(np.arange(len(ROWS)), 8)  # 56 blocks of two columns each: several in a task
     starts = starts_of(170, seed=5)
     alone = part(flown(way, ROWS, starts, 2, 2), columns, slice(None))
     for blocks in (1, 3, 8):

@@ -17,7 +17,15 @@ from grazing.oscillator.constants import FAR, LEAP, OFFSET, Constants, forcing
 from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
 from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.flight import beside_far_wall, modes
-from grazing.oscillator.frames import alone, first_contact, frame_of, inside_wall, seen_at_strobe, seen_from_strobe
+from grazing.oscillator.frames import (
+    alone,
+    first_contact,
+    frame_of,
+    inside_wall,
+    rest_in_doubt,
+    seen_at_strobe,
+    seen_from_strobe,
+)
 from grazing.outcome import (
     AMBIGUOUS,
     BAD_LAW,
@@ -116,7 +124,8 @@ def _period_of(first: Law, second: Law, with_tangent: bool, still: bool) -> Call
         if T > MAX_SWINGS * c.a.piece:
             return (NAN, NAN), 0, TOO_MANY_SWINGS, lost, INFINITY, INFINITY
         b, ball = (False, placed(0.0, max(u - c.za, 0.0), v, 0)) if still else seen_from_strobe(u, v, c)
-        impacts, outcome, near, slow = 0, OK, INFINITY, INFINITY
+        unsure = not still and rest_in_doubt(u, v, c)
+        impacts, outcome, near, slow = 0, (AMBIGUOUS if unsure else OK), INFINITY, INFINITY
         contact = ball.y == 0.0 and ball.v <= 0.0
         smooth, aloft, letter, special, lay = True, True, 0, 0, False
         while True:

@@ -121,7 +121,7 @@ class Branch(ByValue):
         value = real(value, self.parameter, f"give a value in [{self.bounds[0]:g}, {self.bounds[1]:g}]")
         found = []
         for piece in self.pieces:
-            for i in np.flatnonzero((piece.values[:-1] - value) * (piece.values[1:] - value) <= 0.0):
+            for i in piece.passing(value):
                 a, b = piece.values[i], piece.values[i + 1]
                 share = (value - a) / (b - a) if b != a else 0.0
                 x = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])

@@ -62,6 +62,11 @@ class Piece(ByValue):
         words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self.orbits)), 8)
         return f"<Piece of {len(self.orbits)} orbits of {words}; ends {' and '.join(self.ends)}>"
 
+    def passing(self, value: float) -> list[int]:
+        """Return after which orbits the piece passes a value of the parameter, or lies at it."""
+        a, b = self.values[:-1], self.values[1:]
+        return np.flatnonzero((np.minimum(a, b) <= value) & (value <= np.maximum(a, b))).tolist()
+
 
 @dataclass
 class Work:

@@ -22,6 +22,7 @@ from grazing.oscillator.frames import (
     frames_kind,
     frames_of,
     frames_rows,
+    rest_in_doubt,
     seen_at_strobe,
     seen_from_strobe,
 )  # fmt: skip
@@ -29,7 +30,7 @@ from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.oscillator.reset import in_python
 from grazing.oscillator.rig import Rig
-from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError, defined
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, OK, InputError, UserCodeError, defined
 from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
@@ -110,9 +111,11 @@ def _recorder_of(
             leg[0], leg[1], leg[2], leg[3] = n, ball.t, ball.y, ball.v
             leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
             count += 1
-            left, hit, flags = b, grounded and ball.y == 0.0 and ball.v <= 0.0, 0
+            left, flags = b, AMBIGUOUS if not still and grounded and rest_in_doubt(u, v, c) else OK
+            hit = grounded and ball.y == 0.0 and ball.v <= 0.0
             if not hit:
-                hit, b, ball, flags, _near = first_contact(ball, b, c)
+                hit, b, ball, said, _near = first_contact(ball, b, c)
+                flags |= said
             leg[4] = ball.t
             if not still:
                 leg[9], leg[10] = numbered(left), numbered(b)
