@@ -158,6 +158,13 @@ class Equations(ABC):
         """Return the equations of an orbit whose point at a border has the other letter; None where there are none."""
         return None
 
+    def strobes(self, x: Floats, p: Floats) -> Floats | None:
+        """Return when impacts happen at several points, x (k, n) and p (k, names), in periods; None where none do.
+
+        From one strobe to the next one: orbits whose impacts stay between their strobes have the same word.
+        """
+        return None
+
     def begins_in(self, x: Floats, p: Floats) -> int:
         """Return how many periods after the first one a solution has its first impact."""
         return 0

@@ -100,8 +100,8 @@ export class ChartView {
     const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
     const T = (2 * Math.PI) / state.omega;
     if (state.chart === "basins") {
-      const [low, high] = /** @type {Pair} */ (state.positions.map((end) => inside(state, end, state.phase)));
-      if (high <= low) throw new Error(`positions run from ${state.positions.join(" to ")}, behind a wall; choose some that are not`);
+      const [from, to] = state.positions, [low, high] = [from, to].map((end) => inside(state, end, state.phase));
+      if (high <= low) throw new Error(`positions run ${low > to ? `to ${to}, behind the wall at ${low}; choose some above` : `from ${from}, behind the wall at ${high}; choose some below`} it`);
       return {
         machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
         ends: [[low, high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(state),
