@@ -51,7 +51,7 @@ def alike(a: Any, b: Any) -> bool:
     if isinstance(a, Mapping) and isinstance(b, Mapping):
         return list(a) == list(b) and all(alike(a[key], b[key]) for key in a)
     if type(a) is not type(b):
-        return False
+        return isinstance(a, str) and isinstance(b, str) and a == b  # a name may come from an array of names
     if isinstance(a, np.ndarray):
         if a.shape != b.shape or a.dtype != b.dtype:
             return False

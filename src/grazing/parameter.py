@@ -117,7 +117,7 @@ def checked_params(params: Any) -> dict[str, float]:
     for name in params:
         if not (isinstance(name, str) and all(map(_is_name, name.split(".")))):
             raise InputError(f"parameter name {shown(name)}; allowed is a Python name, no keyword, no leading _")
-    return {name: real(value, name, "allowed is any finite number") for name, value in params.items()}
+    return {str(name): real(value, name, "allowed is any finite number") for name, value in params.items()}
 
 
 @lru_cache(maxsize=4096)
@@ -127,10 +127,10 @@ def _is_name(text: str) -> bool:
 
 def checked_coordinates(names: Any) -> tuple[str, ...]:
     """Return the names of coordinates, or raise InputError."""
-    given = tuple(names) if isinstance(names, Sequence) else ()
-    if not given or isinstance(names, (str, bytes)) or not all(isinstance(name, str) and name for name in given):
+    several = isinstance(names, Sequence) and not isinstance(names, (str, bytes)) and len(names) > 0
+    if not several or not all(isinstance(name, str) and name for name in names):
         raise InputError(f"coordinates are {shown(names)}; give their names, such as ('x', 'y')")
-    return given
+    return tuple(map(str, names))
 
 
 def in_order(values: Any) -> Any:
@@ -270,7 +270,7 @@ def checked_text(name: Any) -> str:
     """Return what may be the name of a parameter or a coordinate, or raise InputError."""
     if not isinstance(name, str):
         raise InputError(f"name is {shown(name)}; give the name of a parameter or a coordinate, a text")
-    return name
+    return str(name)
 
 
 def checked_name(name: Any, names: Iterable[str], of: str) -> str:

@@ -247,6 +247,22 @@ def test_each_error_says_what_to_do(line, said, capsys):
     assert said in refused(capsys, *shlex.split(line))
 
 
+@pytest.mark.parametrize(
+    ("option", "near"), [("--N", ""), ("--x", ""), ("--verbose", ""), ("--D", "--d"), ("--ou", "--out")]
+)
+def test_an_option_is_like_another_without_its_dashes(option, near, capsys):
+    """The dashes, equal in all, made --r the one that --N was most like."""
+    said = refused(capsys, "diagram", "d=0.1:0.2:3", option, "3")
+    assert said.startswith(f"error: Unknown option: {option}.{f' Did you mean {near}?' if near else ''} 'grazing")
+
+
+def test_a_stiffness_that_is_no_number_is_not_unknown(capsys):
+    said = refused(
+        capsys, *shlex.split("diagram d=0.1:0.2:3 --alpha 1 --omega 1 --cos 1 --r 0.5 --V 0.1 --stiffness nan")
+    )
+    assert said == "error: --stiffness = nan is not finite; allowed is any finite stiffness\n"
+
+
 def test_errors_of_the_line_and_of_the_configuration_stand_one_a_line(capsys):
     said = refused(capsys, "diagram", "d", "d=0.1:0.2:3", "--r", "1.2", "--strats=3").splitlines()
     assert "Unknown option" in said[0]

@@ -3,11 +3,15 @@
 import os
 import subprocess
 import sys
+from pathlib import Path
 
 import pytest
 
 import grazing as gz
 from grazing.cli import main, streams
+from tests.processes import python
+
+SOURCE = str(Path(gz.__file__).parents[1])
 
 #: What may be refused, and what must work, also all of it at once.
 REFUSED = {"SOURCE_DATE_EPOCH": ("abc", "-1", "1" * 30), "MPLBACKEND": ("nonsense", "module://theirs")}
@@ -21,24 +25,23 @@ def file(tmp_path_factory):
     return gz.save(result, tmp_path_factory.mktemp("around") / "a.nc")
 
 
-def drawn(file, folder, **environment):
-    command = [sys.executable, "-m", "grazing", "plot", str(file), "-o", str(folder / "a.svg")]
-    settings = {**os.environ, **environment, "PYTHONUTF8": "0"}
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=settings, cwd=folder)
-    assert "unexpected" not in done.stderr and "damaged" not in done.stderr, done
-    return done
+DRAW = f"import sys; sys.path.insert(0, {SOURCE!r})\nfrom grazing.__main__ import main\nraise SystemExit(main())"
 
 
 @pytest.mark.parametrize("name", REFUSED)
 def test_the_environment_can_say_anything(name, file, tmp_path):
     """A backend that there is not, or a date that is none, were unexpected errors, or a file that is "damaged"."""
     for value in REFUSED[name]:
-        done = drawn(file, tmp_path, **{name: value})
+        done = python(DRAW, "plot", file, "-o", tmp_path / "a.svg", env={**os.environ, name: value}, cwd=tmp_path)
+        assert "unexpected" not in done.stderr and "damaged" not in done.stderr, done
         assert done.returncode == 0 or (done.returncode == 2 and done.stderr.startswith(f"error: {name} = ")), done
 
 
 def test_what_others_read_of_the_environment_is_no_concern_of_a_figure(file, tmp_path):
-    assert drawn(file, tmp_path, **TAKEN).returncode == 0
+    command = [sys.executable, "-m", "grazing", "plot", str(file), "-o", str(tmp_path / "a.svg")]
+    settings = {**os.environ, **TAKEN, "PYTHONUTF8": "0"}  # read when Python begins
+    done = subprocess.run(command, capture_output=True, text=True, timeout=60, env=settings, cwd=tmp_path)
+    assert done.returncode == 0 and not done.stderr, done
 
 
 def test_a_clock_that_python_cannot_tell(monkeypatch, capsys):

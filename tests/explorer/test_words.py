@@ -151,6 +151,8 @@ def test_a_wall_above_0_leaves_basins_and_ball(shown, address):
     assert "(0.05, 0) lies behind the wall at 0.1." in said(shown)
     show(shown, address, "view=chart&chart=basins&sigma=0.6")
     assert "positions run to 0.5, behind the wall at 0.6" in shown.problem()
+    show(shown, address, "view=chart&chart=basins&two=yes&sigma_B=0.2&positions=0.3:0.5")
+    assert "positions run from 0.3, behind the wall at 0.2; choose some below it" in shown.problem()
     show(shown, address, "view=ball&ball=0.15:0.1:0.2")
     shown.page.fill("input[type=number][name=offset]", "0.11")
     shown.page.click("#controls details summary")

@@ -164,3 +164,13 @@ def test_pieces_and_borders_are_tried_where_they_hold():
 def test_a_word_with_an_unknown_letter():
     with pytest.raises(gz.InputError, match="allowed are L, R"):
         gz.periodic_orbits(LINES, word="LX")
+
+
+def test_a_map_without_pieces_says_so():
+    with pytest.raises(gz.InputError, match="has no pieces"):
+        gz.Map(lambda s, p: (0.5 * s[0],), coordinates=("x",)).images()
+
+
+def test_very_many_coordinates_are_not_listed():
+    with pytest.raises(gz.InputError, match="coordinates"):
+        gz.Map(lambda s, p: s, coordinates=range(10**12))

@@ -14,7 +14,7 @@ from grazing import theory
 from grazing.maps.normal_form import constants, steady_minimum
 from grazing.oscillator.constants import steady_response
 from tests.examples import examples
-from tests.models import MODELS, THREE
+from tests.models import MODELS, TWO
 
 S = gz.pinball(alpha=3, k=1, omega=2.2, t0=0, r=0.8, V=0.4)
 
@@ -92,8 +92,8 @@ def test_any_parameter_unfolds_the_graze(name):
     assert nf.mu(np.array([nf.graze, nf.graze + h])).shape == (2,)
 
 
-def test_three_harmonics_graze_at_the_global_minimum():
-    m = gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-0.3, reset=gz.active(r=0.7, V=0.1))
+def test_two_harmonics_graze_at_the_global_minimum():
+    m = gz.Oscillator(alpha=0.5, k=1.3, forcing=TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.1))
     nf = gz.normal_form(m, "offset")
     at = m.replace(offset=nf.graze)
     free = gz.trajectory(at.replace(sigma=-9.0), (0.0, 0.0), until=40 * at.period, samples=2000)
@@ -272,3 +272,11 @@ def test_it_is_the_same_in_any_unit(law, offset, a, b):
     assert (other.l, other.r) == pytest.approx((one.l, one.r), rel=1e-12)
     assert (other.graze, other.acceleration) == (one.graze * L / T**2, one.acceleration * L / T**2)
     assert other.parameter(0.01) == pytest.approx(one.parameter(0.01) * L / T**2, rel=1e-12)
+
+
+@pytest.mark.parametrize("mu", [2.2e-308, -2.2e-308, 5e-324, 1e-17, -1e-17, 1e-12])
+def test_a_mu_of_the_size_of_rounding_has_a_parameter(mu):
+    """At the graze μ is rounding, here -2e-17 or so, and smaller ones of its sign were found nowhere: a ValueError."""
+    for alpha in (0.5, 1.0, 2.0, 3.0):
+        nf = gz.normal_form(gz.pinball(alpha=alpha), "d")
+        assert nf.parameter(mu) == pytest.approx(nf.graze, abs=1e-10)

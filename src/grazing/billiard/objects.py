@@ -66,6 +66,7 @@ class Thing(ByValue):
         clash = [name for name in (self.law.params if self.law else ()) if name in known]
         if clash:
             raise InputError(f"the law of {self.name} has a parameter {clash[0]!r}, as its shape has; rename it")
+        object.__setattr__(self, "name", str(self.name))
         object.__setattr__(self, "shape", MappingProxyType(shape))
         self._refuse_no_extent()
 

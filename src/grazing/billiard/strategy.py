@@ -16,7 +16,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.objects import FLIPPER, Thing, drain
+from grazing.billiard.objects import FLIPPER, Thing, drain, two_of
 from grazing.billiard.players import HOLD, Flips, Piece, Presses, pieces_of, refuse_others
 from grazing.copies import ByValue
 from grazing.kernel.content import digest
@@ -52,19 +52,17 @@ class Strategy(ByValue):
             raise InputError(f"flip is {shown(self.flip)}; give a function flip(state, p) that returns True or False")
         if not isinstance(self.gates, Mapping) or not self.gates:
             raise InputError(f"gates is {shown(self.gates)}; give a line ((x1, y1), (x2, y2)) by the flipper's name")
-        object.__setattr__(self, "gates", MappingProxyType(dict(self.gates)))
         object.__setattr__(self, "hold", HOLD.check(self.hold))
         if not self.hold > 0.0:
             raise InputError("hold = 0; give for how long a button is pressed, > 0")
         lines = []
         for name, line in self.gates.items():
-            try:
-                start, stop = line
-            except Exception:  # of whatever object was given
-                raise InputError(
-                    f"the gate of {shown(name)} is {shown(line)}; give its ends ((x1, y1), (x2, y2))"
-                ) from None
-            lines.append(drain(f"gate_of_{name}", start, stop))
+            ends = two_of(line)
+            if len(ends) != 2:
+                raise InputError(f"the gate of {shown(name)} is {shown(line)}; give its ends ((x1, y1), (x2, y2))")
+            lines.append(drain(f"gate_of_{name}", *ends))
+        gates = {str(name): _ends(line) for name, line in zip(self.gates, lines, strict=True)}
+        object.__setattr__(self, "gates", MappingProxyType(gates))
         object.__setattr__(self, "drains", tuple(lines))
 
     def __reduce__(self) -> Any:
@@ -147,6 +145,12 @@ class Strategy(ByValue):
                 f"the strategy returned {shown(said)} for the ball {shown(state)}; return True or False"
             )
         return bool(said)
+
+
+def _ends(line: Thing) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the ends of a gate."""
+    x1, y1, x2, y2 = line.shape.values()
+    return (x1, y1), (x2, y2)
 
 
 Player = Flips | Presses | Strategy

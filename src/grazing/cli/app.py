@@ -281,17 +281,18 @@ def _reworded(error: CycloptsError) -> str:
     if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
         known = [*studies(), *RESULTS, "paper"]
         token = (error.unused_tokens or [""])[0]
-        near = get_close_matches(token, known, n=1)
+        near = get_close_matches(token[:200], known, n=1)
         hint = f'Did you mean "{near[0]}"? ' if near else ""
         return f'Unknown command "{token}". {hint}Commands are {", ".join(known)}.'
     if isinstance(error, UnknownOptionError) and error.argument_collection:
         given = (error.token.keyword or error.token.value).partition("=")[0]
-        names = [name for argument in error.argument_collection for name in argument.names]
-        near = [name for name in names if name != given and name.lower() == given.lower()]
-        if near:  # names keep their case: --V is a velocity
-            return f"Unknown option: {given}. Did you mean {near[0]}?"
-        if said := called_here(given.lstrip("-"), [name.lstrip("-") for name in names]):
-            return f"Unknown option: {given}. Here that is {said}; a rig with a {given[2:]} is given by --si."
+        options = {name.lstrip("-"): name for argument in error.argument_collection for name in argument.names}
+        word = given.lstrip("-")
+        near = [name for name in options if name.lower() == word.lower()]  # names keep their case: --V is a velocity
+        if said := "" if near else called_here(word, options):
+            return f"Unknown option: {given}. Here that is {said}; a rig with a {word} is given by --si."
+        near = near or get_close_matches(word[:200], options, n=1)  # without the dashes, in which all are alike
+        return f"Unknown option: {given}.{f' Did you mean {options[near[0]]}?' if near else ''}"
     return str(error)
 
 

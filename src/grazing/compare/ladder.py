@@ -250,7 +250,8 @@ def _of_flow(table: xr.Dataset, N: int, below: list[Found], graze: float) -> Fou
 
 def _rungs(rungs: Sequence[str]) -> list[str]:
     """Return the rungs asked for, from below, the flow last; or raise InputError."""
-    several = [rungs] if isinstance(rungs, str) or not isinstance(rungs, Iterable) else list(rungs)
+    alone = isinstance(rungs, str) or not isinstance(rungs, Iterable) or getattr(rungs, "ndim", 1) == 0
+    several = [rungs] if alone else list(rungs)
     for rung in several:
         if not isinstance(rung, str) or rung not in RUNGS:
             raise InputError(f"rung {shown(rung)} is not known; allowed are {', '.join(RUNGS)}")

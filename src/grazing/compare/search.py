@@ -304,9 +304,8 @@ def same_points(a: Floats, b: Floats, tolerance: Floats) -> bool:
 
 def stable_at(piece: Piece, value: float) -> list[Orbit]:
     """Return the stable admissible orbits of a piece at one value, solved there."""
-    values = piece.values
     found = []
-    for i in np.flatnonzero((values[:-1] - value) * (values[1:] - value) <= 0.0).tolist():
+    for i in piece.passing(value):
         ends = piece.orbits[i], piece.orbits[i + 1]
         if any(end.stable or j in piece.events for j, end in zip((i, i + 1), ends, strict=True)):
             orbit = between(piece, i, value)

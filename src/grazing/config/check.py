@@ -13,7 +13,7 @@ from grazing.catalogue.study import COORDINATE, Study
 from grazing.config.given import all_numbers, parameters, shared
 from grazing.config.maps import LAW, UNFOLD, has_beside, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
-from grazing.config.parameters import defaults_of, described
+from grazing.config.parameters import STIFFNESS, defaults_of, described
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import settings_of
@@ -152,6 +152,9 @@ def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
     left: Recipe = plain_of(raw, "")
     for problem in problems:
         at: Any = left
+        if problem.path == ("parameters", STIFFNESS):  # that it is there says which others there are
+            left["parameters"][STIFFNESS] = 1.0
+            continue
         for depth, part in enumerate(problem.path):
             if depth == len(problem.path) - 1 and part not in at:  # it is missing: None passes for a setting
                 at[part] = None

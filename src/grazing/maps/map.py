@@ -59,6 +59,25 @@ Ints = NDArray[np.int64]
 NAN = float("nan")
 INFINITY = float("inf")
 
+ESCAPE = Parameter("escape", "c", "a coordinate beyond it ends the orbit", 0.0, open="low")
+
+
+def _checked_letters(letters: Any) -> str | Alphabet | None:
+    """Return the symbols of letters, or raise InputError for what words cannot be read from."""
+    if letters is None or isinstance(letters, Alphabet):
+        return letters
+    try:
+        found = "".join(in_order(letters))
+    except TypeError:
+        found = ""
+    if not found or len({*found}) < len(found) or not all(one.isprintable() and not one.isspace() for one in found):
+        raise InputError(f"letters is {shown(letters)}; give a text with a character for each, all different, as 'LR'")
+    return found
+
+
+def _checked_escape(escape: Any) -> float:
+    return INFINITY if isinstance(escape, float) and escape == INFINITY else ESCAPE.check(escape)
+
 
 class Segment(NamedTuple):
     """A piece of an orbit: points (n + 1, dim) with the start in row 0; letters (n,) and outcomes (n,) of the steps.
@@ -190,6 +209,8 @@ class Map(ByValue):
         object.__setattr__(self, "params", MappingProxyType(params))
         object.__setattr__(self, "box", box)
         object.__setattr__(self, "coordinates", coordinates)
+        object.__setattr__(self, "letters", _checked_letters(self.letters))
+        object.__setattr__(self, "escape", _checked_escape(self.escape))
         if not isinstance(self.origin, Origin):
             raise InputError(f"origin is {shown(self.origin)}; leave it out: maps of the library have one")
         if self.pieces is not None or self.border is not None:
@@ -459,7 +480,9 @@ class Map(ByValue):
         return matrix
 
     def images(self) -> Images:
-        """Return what applies the pieces of a map by pieces, beyond their borders too."""
+        """Return what applies the pieces of a map by pieces, beyond their borders too; raise InputError for others."""
+        if self.formulas is None:
+            raise InputError(f"{self.name} has no pieces; make it with gz.Map(pieces={{'L': f, 'R': g}}, border=h)")
         return Images(self)
 
     def derivative(self, rows: Floats) -> Derived:

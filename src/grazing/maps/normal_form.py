@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import lru_cache
-from math import inf, isfinite, nan, sin
+from math import copysign, inf, isfinite, nan, sin, ulp
 from typing import Any
 
 import numpy as np
@@ -183,10 +183,12 @@ class NormalForm:
         if slope == 0.0:
             raise OutsideForm(f"μ does not change with {self.name} at the graze; vary another parameter")
         far = self.graze + mu / slope
+        if abs(mu) <= abs(self.mu(self.graze)) or abs(far - self.graze) <= 4.0 * ulp(self.graze):  # that is rounding
+            return float(far)
         for factor in (1.0 + 1e-9, 1.05, 1.3, 2.0, 4.0):
             edge = self.graze + factor * (far - self.graze)
             try:
-                if (self.mu(edge) - mu) * mu >= 0.0:
+                if (self.mu(edge) - mu) * copysign(1.0, mu) >= 0.0:
                     return float(
                         brentq(lambda x: self.mu(x) - mu, *sorted((self.graze, edge)), xtol=1e-300, rtol=8.9e-16)
                     )

@@ -14,7 +14,7 @@ from grazing.maps.gap import PARAMETERS
 from grazing.memory import refuse_too_large
 from grazing.orbits.word import letters_of, primitive, word
 from grazing.outcome import InputError, shown
-from grazing.parameter import real, whole
+from grazing.parameter import in_order, real, whole
 from grazing.theory import WordWindow
 from grazing.theory.changes import both_windows
 
@@ -95,10 +95,9 @@ def adding_tree(
     levels = whole(depth, "depth", 1)
     # a word is as long as its two neighbours together, so that the letters of all levels are 3 times those before
     letters = min(levels, DEEP)
-    refuse_too_large(
-        NODE * 2.0**letters + max(map(len, _ends(between))) * 3.0**letters, f"reduce depth ({levels})", "the tree"
-    )
-    nodes, order = _grown(_ends(between), levels)
+    ends = _ends(between)
+    refuse_too_large(NODE * 2.0**letters + max(map(len, ends)) * 3.0**letters, f"reduce depth ({levels})", "the tree")
+    nodes, order = _grown(ends, levels)
     place = {number: i for i, number in enumerate(order)} | {-1: -1}
     rows = [nodes[number] for number in order]
     stable, exist = zip(*(both_windows(node.word, lam, l, span) for node in rows), strict=True)
@@ -132,10 +131,10 @@ def adding_tree(
             "exists_high": column([w[-1].high if w else nan for w in exist], float, "last mu with an orbit", **about),
         },
         attrs={
-            "title": f"words between {between[0]} and {between[1]}, gap map",
+            "title": f"words between {ends[0]} and {ends[1]}, gap map",
             "parameters": json.dumps({"lam": lam, "l": l}),
             "depth": levels,
-            "between": list(between),
+            "between": list(ends),
             **({"span": list(span)} if span is not None else {}),
         },
     )
@@ -144,7 +143,7 @@ def adding_tree(
 def _ends(between: Any) -> tuple[str, str]:
     """Return the two words at the ends, or raise InputError."""
     try:
-        first, second = between
+        first, second = in_order(between)
         letters = [letters_of(one, "LR") for one in (first, second)]
     except (TypeError, ValueError) as error:
         said = f": {error}" if isinstance(error, InputError) else ""
@@ -153,7 +152,7 @@ def _ends(between: Any) -> tuple[str, str]:
         ) from None
     if any(len(primitive(one)) < len(one) for one in letters) or word(letters[0]) == word(letters[1]):
         raise InputError(f"between = {shown(between)}; give two different words, neither of them a repetition")
-    return first, second
+    return str(first), str(second)
 
 
 def _grown(ends: tuple[str, str], depth: int) -> tuple[list[Node], list[int]]:

@@ -14,7 +14,6 @@ from grazing.copies import ByValue
 from grazing.orbits.corrector import Point, point_at, unscaled
 from grazing.orbits.equations import Equations
 from grazing.orbits.events import HALVES, Event, located
-from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.path import Path, follow, joined
 from grazing.orbits.point_equations import PointEquations
@@ -62,6 +61,11 @@ class Piece(ByValue):
     def __repr__(self) -> str:
         words = listed(map(abridged, dict.fromkeys(orbit.word for orbit in self.orbits)), 8)
         return f"<Piece of {len(self.orbits)} orbits of {words}; ends {' and '.join(self.ends)}>"
+
+    def passing(self, value: float) -> list[int]:
+        """Return after which orbits the piece passes a value of the parameter, or lies at it."""
+        a, b = self.values[:-1], self.values[1:]
+        return np.flatnonzero((np.minimum(a, b) <= value) & (value <= np.maximum(a, b))).tolist()
 
 
 @dataclass
@@ -317,9 +321,10 @@ class Pieces:
     def _relabelled(self, path: Path, number: int) -> None:
         """Note where the word changes although the equations stay: an impact crosses the strobe."""
         equations, piece = path.equations, self.pieces[number]
-        if not isinstance(equations, ImpactEquations):
+        times = equations.strobes(piece.unknowns, piece.values[:, None])
+        if times is None:
             return
-        periods = equations.periods(piece.unknowns, piece.values[:, None])
+        periods = np.ceil(times - np.floor(times[:, :1]))
         for i in np.flatnonzero((periods[1:] != periods[:-1]).any(axis=1)).tolist():
             one, other = piece.orbits[i], piece.orbits[i + 1]
             if one.word != other.word:
@@ -328,20 +333,21 @@ class Pieces:
                 self.relabellings.append(Relabelling(value, one.word, other.word, number))
 
 
-def crossing(equations: ImpactEquations, a: Point, b: Point) -> Point | None:
+def crossing(equations: Equations, a: Point, b: Point) -> Point | None:
     """Return where between two points an impact crosses the strobe."""
-    n, scale = equations.n, equations.scale
-    T = equations.period_at(b.z[len(scale) :] * equations.spans)
-    before, after = (np.floor(q.z[:n] * scale[:n] / T) for q in (a, b))
+
+    def times(q: Point) -> Floats:
+        x, p = unscaled(equations, q.z)
+        found = equations.strobes(x[None], p[None])
+        assert found is not None
+        return np.asarray(found[0])
+
+    before, after = (np.floor(times(q)) for q in (a, b))
     moved = np.flatnonzero(before != after)
     if len(moved) == 0:
         return None
     i, edge = int(moved[0]), float(max(before[moved[0]], after[moved[0]]))
     chord = b.z - a.z
     length = float(np.linalg.norm(chord))
-
-    def ahead(q: Point) -> float:
-        return float(q.z[i] * scale[i] - edge * equations.period_at(q.z[len(scale) :] * equations.spans))
-
-    found = located(equations, a, chord / length, length, "strobe", i, ahead)
+    found = located(equations, a, chord / length, length, "strobe", i, lambda q: float(times(q)[i] - edge))
     return None if found is None else found[1].point

@@ -298,14 +298,10 @@ class ImpactEquations(FlightEquations):
         apart = np.append(x[h : 2 * h] - x[:h] - self.N / m * T, x[n + h : n + 2 * h] - x[n : n + h])
         return np.asarray(apart / np.append(self.scale[:h], self.scale[n : n + h]))
 
-    def periods(self, x: Floats, p: Floats) -> Floats:
-        """Return how many periods after the first impact each is, at several points, x (k, 2n) and p (k, names).
-
-        From strobe to strobe, see :func:`strobed`: orbits for which they are the same have the same word.
-        """
+    def strobes(self, x: Floats, p: Floats) -> Floats:
+        """Return the times of the impacts in periods of the forcing."""
         T = 2.0 * np.pi / self.prepared(p).values[:, [HEAD.index("omega")]]
-        passed: Floats = np.ceil((x[:, : self.n] - T * np.floor(x[:, :1] / T)) / T)
-        return passed
+        return np.asarray(x[:, : self.n] / T)
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether two impacts have become one, or the law gives no velocity."""

@@ -25,7 +25,7 @@ from grazing.orbits.solved import Solved
 from grazing.orbits.special import SPECIAL, Special
 from grazing.orbits.switching import ZERO
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import spread, value_of, whole
+from grazing.parameter import in_order, spread, value_of, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -331,13 +331,15 @@ def locus(
             f"{got} cannot be followed in two parameters; allowed are special points {', '.join(FOLLOWED)}{instead}"
         )
     try:
-        (one, other), (first, second) = names, bounds
+        (one, other), (first, second) = in_order(names), in_order(bounds)
     except (TypeError, ValueError):
         raise InputError(
             f"names {shown(names)}, bounds {shown(bounds)}; give two names and two pairs (low, high)"
         ) from None
     if not (isinstance(one, str) and isinstance(other, str)):
         raise InputError(f"names {shown(names)}; give two names of parameters, such as ('d', 'V')")
+    names = str(one), str(other)
+    one, other = names
     if one == other:
         raise InputError(f"both parameters are {shown(one)}; give two different ones")
     P = special.orbit.map

@@ -155,6 +155,8 @@ def letters_of(text: str, symbols: str | Alphabet | None = None) -> tuple[int, .
     >>> letters_of("LLR", "LR"), letters_of("0(12)C")
     ((0, 0, 1), (0, 12, -1))
     """
+    if not isinstance(text, str):
+        raise InputError(f"word is {shown(text)}; give a text")
     letters: list[int] = []
     position = 0
     while position < len(text):

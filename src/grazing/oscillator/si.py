@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 
 from grazing.oscillator.forcing import MOST_HARMONICS, Forcing, refuse_out_of_range
 from grazing.outcome import InputError, shown
-from grazing.parameter import Parameter, real
+from grazing.parameter import Parameter, in_order, real
 from grazing.units import magnitude
 
 M = Parameter("m", "m", "mass", 0.0, inf, "low", "kg")
@@ -219,9 +219,10 @@ def _frequency(frequency: Any, omega: Any) -> float:
 
 def _amplitudes(values: Any, name: str, units: str) -> tuple[float, ...]:
     """Return the amplitudes of harmonics 1, 2, ...; one number is that of the first."""
-    found = magnitude(values, units, name)
+    wanted = f"any finite amplitude in {units} is allowed"
+    try:
+        found = in_order(magnitude(values, units, name))
+    except TypeError as error:
+        raise InputError(f"{name} = {shown(values)}; {error}: {wanted}, or several in order") from None
     several = [found] if getattr(found, "ndim", 1) == 0 or not hasattr(found, "__len__") else found
-    return tuple(
-        real(magnitude(one, units, f"{name}[{j}]"), f"{name}[{j}]", f"any finite amplitude in {units} is allowed")
-        for j, one in enumerate(several)
-    )
+    return tuple(real(magnitude(one, units, f"{name}[{j}]"), f"{name}[{j}]", wanted) for j, one in enumerate(several))

@@ -149,6 +149,8 @@ class System(ByValue):
     _parts: tuple[Any, ...] = field(init=False, repr=False, compare=False, default=())
 
     def __post_init__(self) -> None:
+        if self.name is not None and not isinstance(self.name, str):
+            raise InputError(f"name is {shown(self.name)}; give a text, or leave it out")
         positions, velocities = checked_coordinates(self.positions), checked_coordinates(self.velocities)
         if len(positions) != len(velocities):
             raise InputError(
@@ -176,7 +178,7 @@ class System(ByValue):
         object.__setattr__(self, "params", MappingProxyType(params))
         object.__setattr__(self, "surfaces", surfaces)
         object.__setattr__(self, "box", checked_box(self.box, positions + velocities))
-        object.__setattr__(self, "name", self.name or "system")
+        object.__setattr__(self, "name", str(self.name or "system"))
         restitution = [-1 if one.law else _restitution(one.name, list(params)) for one in surfaces]
         flat = [(one.gap, one.bound, one.law, r) for one, r in zip(surfaces, restitution, strict=True)]
         usual = usual_rounding(len(positions), 2.0 * pi * self.span if self.period is None else self.period)
