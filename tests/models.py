@@ -20,8 +20,10 @@ def cubic(v, p):
     return -p.e * v / (1.0 - p.c * v)
 
 
+#: Kernels are compiled for a number of harmonics, and those for two are prepared: three are for what is plain Python,
+#: and for flights and contacts of the oscillator, which :mod:`tests.reference` knows.
 THREE = gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, 0.3, -0.2), sin=(0.1, 0.0, 0.25))
-#: Kernels are compiled for a number of harmonics; those for two are prepared.
+THREE_HARMONICS = gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-0.3, reset=gz.newton(r=0.7))
 TWO = gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, -0.3), sin=(0.1, 0.25))
 TWO_HARMONICS = gz.Oscillator(alpha=0.5, k=1.3, forcing=TWO, sigma=-0.3, reset=gz.newton(r=0.7))
 
@@ -34,7 +36,7 @@ MODELS = {
     "near resonance": gz.pinball(alpha=1e-10, k=2.2, r=0.9, V=0.1),
     "soft": gz.pinball(k=1e-8),
     "stiff": gz.pinball(alpha=200.0),
-    "three harmonics": gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-0.3, reset=gz.newton(r=0.7)),
+    "two harmonics": TWO_HARMONICS,
     "chatter": gz.pinball(V=0.0, r=0.3, d=-0.2),
     "stick": gz.pinball(V=0.0, r=0.0),
     "trigger": gz.Oscillator(
@@ -45,6 +47,7 @@ MODELS = {
     ),
     "elastic": gz.pinball(r=1.0, V=0.0, d=-0.3),
 }
+PLAIN = MODELS | {"three harmonics": THREE_HARMONICS}
 
 
 def packed(P):

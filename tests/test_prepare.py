@@ -31,6 +31,10 @@ orbits = gz.periodic_orbits(P, range(1, 5))
 gz.continuation(P, orbits[0], "d", (0.0, 0.16))
 gz.trajectory(m, (0.1, 0.0))
 gz.impact_map(m).orbit((0.0, 0.5), 50)
+for order in ("lowest", "full", "corrected"):
+    D = gz.discontinuity_map(m, order=order)
+    D.orbit((0.1, 0.0), 50)
+    gz.orbit_diagram(D, "d", [0.1, 0.12], starts=2, transient=10)
 """
 TABLES = """
 import grazing as gz
@@ -77,6 +81,15 @@ gz.lyapunov(P, "a", values)
 gz.basins(P)
 gz.bifurcation_diagram(P, "a", np.linspace(0.2, 0.8, 4))
 gz.continuation(P, gz.periodic_orbits(P, 1)[0], "a", (1.0, 1.3))
+
+def longer(x, p):
+    return p.a - 1.0009765625 * x[0] * x[0] + p.b * x[2], x[0], x[1]
+
+P = gz.Map(longer, {"a": 1.2, "b": 0.3}, ("x", "y", "z"), box=((-1.0, 1.0),) * 3, escape=10.0)
+gz.orbit_diagram(P, "a", values, starts=2)
+gz.lyapunov(P, "a", values, starts=2)
+gz.basins(P, {"x": [0.0, 0.5], "y": [0.0, 0.5]}, fixed={"z": 0.0}, transient=20)
+gz.periodic_orbits(P, 1)
 """
 SYSTEM = """
 import grazing as gz

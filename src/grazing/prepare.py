@@ -43,13 +43,20 @@ SOURCES = (
 
 
 def one_wave() -> None:
-    """Compile for forces of one harmonic: the pinball's kernels and those of all studies of them, then other walls.
+    """Compile for forces of one harmonic: the pinball's kernels and those of all studies of them, then its other maps.
 
     What is large the kernels of all walls share, so another process would compile it once more.
     """
     import grazing as gz
 
-    _studies(gz.pinball(alpha=3, k=1, omega=2.2, d=0.12, r=0.8, V=0.4), "d")
+    m = gz.pinball(alpha=3, k=1, omega=2.2, d=0.12, r=0.8, V=0.4)
+    _studies(m, "d")
+    for order in ("lowest", "full", "corrected"):
+        D = gz.discontinuity_map(m, order=order)
+        D.orbit((0.1, 0.0), 20)
+        D.jacobian((0.1, 0.0))
+        for arithmetic in ("fast", "strict"):
+            gz.orbit_diagram(D, "d", [0.1, 0.12], starts=4, transient=10, arithmetic=arithmetic)
     _walls(1.0)
 
 
@@ -145,7 +152,11 @@ def formulas() -> None:
         return p.a - x[0] * x[0] + p.b * x[1], x[0]
 
     _formula(gz.gap_map(lam=0.8, mu=0.5, l=1.0), "mu", np.linspace(0.1, 0.5, 4))
-    for names, step in (("x", in_one), ("xy", in_two)):
+
+    def in_three(x: Any, p: Any) -> Any:
+        return p.a - x[0] * x[0] + p.b * x[2], x[0], x[1]
+
+    for names, step in (("x", in_one), ("xy", in_two), ("xyz", in_three)):
         P = gz.Map(step, {"a": 0.5, "b": 0.3}, tuple(names), box=((-1.0, 1.0),) * len(names), escape=10.0)
         _formula(P, "a", np.linspace(0.1, 1.4, 4))  # at the last one chaotic
 

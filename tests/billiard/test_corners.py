@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.billiard.flown import BEFORE, FLAGS, NEXT, OWNER, PATH, TIME, flights_of
+from grazing.billiard.flown import BEFORE, FLAGS, NEXT, OWNER, PATH, SURFACE, TIME, flights_of
+from grazing.billiard.rows import FEET
 from grazing.outcome import AMBIGUOUS, ESCAPED, NO_IMPACT
 
 
@@ -179,3 +180,29 @@ def test_the_budget_counts_impacts_alone():
     flights = flights_of(gz.table(floor, tilt=1.0), (1.0, 0.5, 1.0, 0.0), 0.0, 30.0, 3)
     impacts = np.flatnonzero(~np.isnan(flights[:, BEFORE]))
     assert len(impacts) == 2 < 3 < len(flights) and int(flights[-1, FLAGS]) & ESCAPED
+
+
+@pytest.mark.parametrize("hidden", [(-1.0, -0.1), (-0.16, -0.017), (-1.0, 0.3)])
+def test_it_falls_out_of_a_notch_and_not_onto_a_face_behind_that(hidden):
+    """It was put on the upper side of the third face, certified, once hits in the notch had taken its speed to 0."""
+    ends, law = [((0, 0), (0.03, -1.1)), ((0, 0), (-1.1, -1.0)), ((0, 0), hidden)], gz.newton(0.0)
+    table = gz.table(walls(ends, law), tilt=1.0)
+    flights = flights_of(table, (-0.3, -0.6, 0.3 / 0.7, 0.6 / 0.7 + 0.35 * table.gravity), 0.0, 5.0)
+    assert set(flights[:, OWNER]) <= {0.0, 1.0, -1.0} and int(flights[-1, FLAGS]) & ESCAPED
+    assert (flights[:, NEXT + 1] <= 1e-9).all() and set(flights[:-1, SURFACE] // 2) <= {0.0, 0.5, 1.0}
+
+
+def test_feet_of_walls_are_counted_and_corners_and_balls_with_a_radius_have_none():
+    """Where there are none no impact is asked for them: that took as long as half of a collision."""
+    law, box = gz.newton(1.0), [(0, 0), (6, 0), (6.1, 3.3), (0.1, 3.1)]
+    sides, post = walls(list(zip(box, box[1:] + box[:1], strict=True)), law), gz.disc("post", (4, 2), 0.3, law)
+    bow = gz.arc("bow", (2, 2), 0.5, 0.0, 1.0, law)
+
+    def feet(*more, rho=0.0):
+        table = gz.table([*sides, post, bow, *more], rho)
+        return table.blocks(table.row())[0][FEET]
+
+    stem, on_post = gz.segment("stem", (1, 0), (1, 1), law), gz.segment("stem", (4.3, 2), (5, 2), law)
+    on_bow, drain = gz.segment("stem", (2.5, 2), (3, 2), law), gz.drain("out", (1, 0), (1, 1))
+    assert [feet(), feet(drain), feet(stem, rho=0.1)] == [0.0, 0.0, 0.0]
+    assert [feet(stem), feet(on_post), feet(on_bow)] == [1.0, 1.0, 1.0]

@@ -6,13 +6,13 @@ import pytest
 import grazing as gz
 from grazing.compare.branches import Linearised, Local, Point
 from grazing.maps.linearised import linearised_map
-from tests.models import THREE, packed
+from tests.models import TWO, packed
 
 MODELS = {
     "standard": (gz.pinball(V=0.4), "d"),
     "passive": (gz.pinball(V=0.0), "d"),
     "shifted wall, in omega": (gz.pinball(V=0.2, r=0.5, sigma=0.1, d=0.15, t0=0.7), "omega"),
-    "three harmonics": (gz.Oscillator(2.5, 1.1, THREE, sigma=-0.3, reset=gz.active(r=0.7, V=0.3)), "offset"),
+    "two harmonics": (gz.Oscillator(2.5, 1.1, TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.3)), "offset"),
     "in alpha": (gz.pinball(V=0.4, d=0.13), "alpha"),
     "oscillating flight": (gz.pinball(alpha=0.5, k=0.3, V=0.1), "d"),
 }

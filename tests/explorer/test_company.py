@@ -70,7 +70,8 @@ MEASURED = """async ([u, v, turns]) => {
   const { Rate } = await import("./twin.js"), { machine, model } = explorer.views.ball, rate = new Rate();
   const turn = (u, v) => [...machine.call("orbits", { columns: 1, starts: 1, keep: 1, rows: model.row,
     lanes: Float64Array.of(u, v), transient: 0 }, ["points"]).points];
-  for (let n = 0; n < turns; n++, [u, v] = turn(u, v)) rate.pass([u, v], turn, model.sigma, 0.5);
+  const above = (at) => Math.max(at, model.walls.sigma);
+  for (let n = 0; n < turns; n++, [u, v] = turn(u, v)) rate.pass([u, v], turn, above, 0.5);
   return rate.exponent;
 }"""
 

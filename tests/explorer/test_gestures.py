@@ -397,3 +397,33 @@ def test_a_finger_moves_a_slider_and_goes_on_in_fine_steps(phone, address):
     phone.until(f"() => Math.abs(explorer.state().offset - {across + 12 * step}) < 1e-9")
     touch(phone, "touchEnd")
     assert abs(state(phone, "offset") - across - 12 * step) < 1e-9
+
+
+def test_between_walls_the_ball_is_slung_and_a_wall_that_comes_down_takes_it_along(shown, address):
+    shown.open(f"{address}#version=2&view=ball&two=yes&columns=20&bins=20")
+    start, end = place(shown, "phase", 0.5, 0.4), place(shown, "phase", 1.0, 0.3)  # far into the upper wall
+    shown.page.mouse.move(*start)
+    shown.page.mouse.down()
+    shown.page.mouse.move(*end, steps=4)
+    aimed = preview(shown)
+    shown.page.mouse.up()
+    shown.until("() => explorer.state().ball !== null")
+    u, _v, time = state(shown, "ball")
+    assert u == 0.2 and time == 0
+    model = gz.Oscillator(3.0, 1.0, forcing=gz.Forcing(2.2, 0.0, 0.12, (1.0,)), walls=[
+        gz.wall(0.0, gz.active(0.8, 0.4)), gz.wall(0.2, gz.active(0.8, 0.2), side="above")])  # fmt: skip
+    at = np.array(aimed["at"])
+    flown = gz.trajectory(model, (aimed["u"], aimed["v"]), 0.0, float(at[-1]), samples=20_000)
+    np.testing.assert_allclose(aimed["path"], np.interp(at, flown["t"], flown["u"]), atol=2e-4)
+    assert 0.0 <= min(aimed["path"]) and max(aimed["path"]) <= 0.2
+    height = shown.page.locator("[data-name=sigma_B] input[type=range]")
+    height.focus()
+    for _ in range(12):
+        height.press("ArrowLeft")
+    shown.until("() => explorer.state().sigma_B < 0.2")
+    assert state(shown, "ball")[0] <= state(shown, "sigma_B") and shown.problem() == ""
+    assert shown.page.evaluate("() => explorer.views.ball.place[0]") <= state(shown, "sigma_B")
+    quiet = shown.pixels("strip")
+    shown.page.click("text=a second wall, above the ball")
+    shown.until("() => !explorer.state().two")
+    assert shown.pixels("strip") != quiet and "two" not in shown.link()

@@ -107,6 +107,10 @@ def test_a_single_step_next_to_the_graze_is_as_steep_as_one_likes(tour):
 
 # ---- the page
 
+#: Where the pictures that are seen end, down the page.
+ENDS = """() => [...document.querySelectorAll('.view canvas')].filter(c => c.offsetParent)
+  .map(c => c.getBoundingClientRect().bottom + scrollY)"""
+
 
 def test_every_question_is_answered_by_a_picture(shown, address, tour):
     shown.open(f"{address}#version=2&view=ball&offset=0.13&columns=20&bins=20")
@@ -127,6 +131,8 @@ def test_every_question_is_answered_by_a_picture(shown, address, tour):
             state = shown.page.evaluate("() => explorer.state()")
             assert {name: state[name] for name in question["shown"]} == question["shown"]
         assert shown.problem() == ""
+        ends = shown.page.evaluate(ENDS)
+        assert ends and max(ends) <= 800, (step["title"], ends)  # nobody scrolls to see the answer
         if n < len(tour):
             shown.page.click("#next")
     assert shown.page.is_disabled("#next") and shown.page.get_attribute("#guide-link", "href") == "table.html"

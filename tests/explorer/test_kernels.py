@@ -229,8 +229,8 @@ def test_the_flight_of_the_ball(machines, described, case):
     T, periods = model.period, 3
     start = (model.sigma + 0.05, 0.1)
     row = row_of(described["oscillator"], model.reset.name, **model.params, phase=phase)
-    state = np.array([0.0, 0.0, start[0] - model.sigma, start[1], 0.0, 0.0, 0.0])
-    legs = np.zeros((400, 9))
+    state = np.array([0.0, 0.0, start[0] - model.sigma, start[1], 0.0, 0.0, 0.0, 0.0])
+    legs = np.zeros((400, 11))
     machine = machines["oscillator"]
     count = machine.call("legs", capacity=400, row=row, state=state, legs=legs, until=periods * T, patience=1e-6)
     legs = legs[:count].copy()
@@ -253,6 +253,89 @@ def test_the_flight_of_the_ball(machines, described, case):
     if state[0] == periods:  # and at the last strobe the state of the stroboscopic map, to the bit
         P = gz.stroboscopic_map(model, phase)
         np.testing.assert_array_equal((state[2] + model.sigma, state[3]), P.iterate(start, periods)[-1])
+
+
+# ---- two walls, and walls that move
+
+
+def between(law, other, sigma, high, motion=None, **params):
+    """A model between two walls, or at one where there is no place of the other."""
+    given = {"alpha": 0.3, "k": 1.0, "omega": 1.7, "t0": 0.2, "offset": 0.1, "cos": 1.0, "sin": 0.2, **params}
+    # as many harmonics as the module has: rounding between walls knows how many there are
+    waves = (given["cos"], 0.0, 0.0), (given["sin"], 0.0, 0.0)
+    forcing = gz.Forcing(given["omega"], given["t0"], given["offset"], *waves)
+    wave = None if motion is None else gz.Forcing(given["omega"], given["t0"], cos=motion[:1], sin=motion[1:])
+    walls = [gz.wall(sigma, law, motion=wave)]
+    if high is not None:
+        walls.append(gz.wall(high, other, side="above", motion=wave))
+    return gz.Oscillator(given["alpha"], given["k"], forcing=forcing, walls=walls)
+
+
+#: (model, phase, parameter, values)
+WALLED = {
+    "impact pair": (between(gz.newton(0.7), gz.newton(0.9), -0.4, 0.6), 0.0, "omega", (1.2, 2.4)),
+    "two kicks": (between(gz.active(0.6, 0.3), gz.active(0.8, 0.1), -0.2, 0.9, alpha=1.0), 0.7, "A.V", (0.0, 0.5)),
+    "shaken box": (between(gz.newton(0.8), gz.newton(0.8), -0.5, 0.5, (0.1, 0.3), cos=0.0, sin=0.0, k=0.0,
+                           offset=-0.4), 0.3, "B.r", (0.3, 1.0)),
+    "moving table": (between(gz.newton(0.5), None, 0.0, None, (0.2, 0.3), cos=0.0, sin=0.0, k=0.0, offset=-1.0),
+                     0.0, "r", (0.1, 0.8)),
+    "chatter at both": (between(gz.triggered(0.4, 0.5, 0.6), gz.triggered(0.3, 0.4, 0.7), -0.1, 0.1, omega=0.3), 0.0,
+                        "offset", (-0.5, 0.5)),
+}  # fmt: skip
+
+
+def walled_rows(described, model, phase, name, values):
+    """Rows of the module for a model with walls."""
+    two = len(model.walls) > 1
+    rows = np.empty((len(values), len(described["fields"])))
+    for i, value in enumerate(values):
+        given = dict(model.replace(**{name: value}).params)
+        own = {"cos_A": given.pop("A.cos1", 0.0), "sin_A": given.pop("A.sin1", 0.0), "two": float(two), "phase": phase}
+        for key, number in given.items():
+            wall, _dot, last = key.rpartition(".")
+            if last[:3] not in ("cos", "sin") or not wall:
+                own[f"{last}_B" if wall == "B" else last] = number
+        rows[i] = row_of(described, model.walls[0].law.name, **own)
+    return rows
+
+
+@pytest.mark.parametrize("case", WALLED)
+def test_raster_between_walls(machines, described, case):
+    model, phase, name, ends = WALLED[case]
+    P, values = gz.stroboscopic_map(model, phase), np.linspace(*ends, 7)
+    want = density(P, name, values, arithmetic="strict", bins=150, starts=6, transient=20, keep=30, seed=3)
+    rows = walled_rows(described["oscillator"], model, phase, name, values)
+    lanes = draw(machines["oscillator"], 2, rows, values, 6, 3)
+    low, high = want["u"].attrs["low"], want["u"].attrs["high"]
+    counts, ended, ambiguous = raster(machines["oscillator"], rows, lanes, 20, 30, 0, low, high, 150)
+    sure = ambiguous == 0  # elsewhere Python decides in ball arithmetic
+    assert sure.sum() >= 5
+    np.testing.assert_array_equal(counts[sure, 1:-2], want["count"].values[sure])
+    np.testing.assert_array_equal(ended[sure], want["ended"].values[sure])
+
+
+@pytest.mark.parametrize("case", WALLED)
+def test_the_flight_between_walls(machines, described, case):
+    model, phase, name, ends = WALLED[case]
+    T, periods = model.period, 3
+    row = walled_rows(described["oscillator"], model, phase, name, [0.4 * ends[0] + 0.6 * ends[1]])[0]
+    model = model.replace(**{name: 0.4 * ends[0] + 0.6 * ends[1]})
+    start = (float(model.places_at(np.array([phase]))[0][0, 0]) + 0.05, 0.1)
+    state, legs = np.array([0.0, 0.0, *start, 0.0, 0.0, 0.0, 0.0]), np.zeros((400, 11))
+    machine = machines["oscillator"]
+    count = machine.call("legs", capacity=400, row=row, state=state, legs=legs, until=periods * T, patience=1e-6)
+    legs = legs[:count].copy()
+    want = gz.trajectory(model, start, phase, phase + periods * T, samples=4000)
+    hits = ~np.isnan(legs[:, 5]) & (legs[:, 0] * T + legs[:, 4] <= periods * T)
+    np.testing.assert_array_equal(-legs[hits, 5], want["impact_speed"])
+    assert ["AB"[int(wall)] for wall in legs[hits, 10]] == want["impact_wall"].values.tolist()
+    t = np.linspace(0.0, periods * T, 301)
+    u, v = np.empty_like(t), np.empty_like(t)
+    machine.call("sample", count=count, samples=len(t), row=row, legs=legs, times=t, u=u, v=v)
+    at = legs[hits, 0] * T + legs[hits, 4]
+    away = np.abs(t[:, None] - np.concatenate([at, [-1.0]])).min(axis=1) > 2e-3
+    np.testing.assert_allclose(u[away], np.interp(phase + t[away], want["t"], want["u"]), atol=2e-5)
+    np.testing.assert_allclose(v[away], np.interp(phase + t[away], want["t"], want["v"]), atol=2e-3)
 
 
 # ---- theory and reduction

@@ -18,8 +18,9 @@ from grazing.plot.style import PERIODS
 from tests.explorer.browser import Shown
 
 PAGE = FOLDER / "page"
-#: What the pages and all they need may weigh, in bytes: 779,000, of which 69,000 are parts of d3 and 212,000 the table.
-HEAVIEST = 790_000
+#: What the pages and all they need may weigh, in bytes: 818,000, of which 69,000 are parts of d3, 212,000 the table and
+#: 35,000 a second wall and walls that move.
+HEAVIEST = 830_000
 
 
 @pytest.fixture
@@ -115,6 +116,10 @@ def test_the_raster_of_the_gap_map_is_that_of_python(shown, address, fragment):
         "version=2&view=oscillator&law=newton&alpha=0.4&sin1=0.2&cos2=0.3&sigma=0.1&vary=omega&reach=1.8:2.6&phase=0.3"
         "&coordinate=v&columns=24&bins=120",
         "version=2&view=oscillator&law=triggered&alpha=0.5&trigger=0.2&vary=V&reach=0.1:0.9&columns=20&bins=80",
+        "version=2&view=oscillator&two=yes&alpha=1&vary=V_B&reach=0.1:0.9&columns=14&bins=80&phase=0.3",
+        "version=2&view=oscillator&two=yes&law=newton&k=0&cos1=0&sin_A=0.3&cos_A=0.1&alpha=0.3&sigma=-0.5&sigma_B=0.5"
+        "&vary=r&reach=0.5:1&coordinate=v&columns=12&bins=80",
+        "version=2&view=oscillator&law=newton&k=0&offset=-1&cos1=0&sin_A=0.3&alpha=0&vary=r&reach=0.2:0.8&columns=12&bins=80",
     ],
 )
 def test_the_raster_of_the_oscillator_is_that_of_python(shown, address, fragment):
@@ -135,6 +140,9 @@ def test_the_raster_of_the_oscillator_is_that_of_python(shown, address, fragment
         "oscillator&V=0.3&columns=12&bins=40&law=newton",
         "oscillator&V=0.3&columns=12&bins=40",  # the pinball, whose starts have a box of their own
         "oscillator&V=0.3&columns=12&bins=40&cos1=0.9",
+        "oscillator&two=yes&columns=12&bins=40",
+        "oscillator&two=yes&law=newton&sin_A=0.05&cos_A=0.02&columns=12&bins=40&vary=r_B&reach=0.3:0.6",
+        "oscillator&law=newton&k=0&offset=-1&sin_A=0.3&columns=12&bins=40&vary=r&reach=0.3:0.6",
     ],
 )
 def test_the_command_makes_the_same_raster(shown, address, view, tmp_path):
@@ -225,6 +233,8 @@ def test_a_link_round_trip(shown, address):
         ("version=2&view=gap&lam=much&columns=20", "lam=much is not a number"),
         ("version=2&view=oscillator&r=1.5&columns=20", "r = 1.5; allowed is r ≥ 0 and r ≤ 1"),
         ("version=2&view=oscillator&omega=0&columns=20", "omega = 0; allowed is omega > 0"),
+        ("version=2&view=gap&two=yes&sigma_B=-1&columns=20", "allowed is sigma_B ≥ 0.02"),
+        ("version=2&view=gap&vary=V_B&columns=20", "vary=V_B; there is no second wall"),
         ("version=2&view=gap&columns=1e9", "columns=1e9; allowed is a whole number from 2 to 4000"),
         ("version=2&view=gap&span=0.5:0.1&columns=20", "span=0.5:0.1; give low:high with low < high"),
         ("version=2&%E0%A4%A&&=&colour=perhaps&columns=20", "colour=perhaps; allowed are yes, no"),
@@ -373,6 +383,37 @@ def test_the_program_of_the_ball_flies_the_same_orbit(shown, address):
     np.testing.assert_array_equal(np.array(hits).T, [found["v_minus"], found["v_plus"]])
 
 
+@pytest.mark.parametrize("more", ["", "&cos_A=0.02&sin_A=0.03&phase=0.4"])
+def test_a_ball_between_two_walls_hits_both_as_in_python(shown, address, more):
+    shown.open(f"{address}#version=2&view=ball&two=yes&columns=20&bins=20{more}")
+    assert "between two bumpers that kick" in shown.page.inner_text("#headline")
+    shown.page.evaluate("() => { for (let i = 0; i < 8; i++) explorer.views.ball.step(); }")
+    letters = shown.page.evaluate("() => [...explorer.views.ball.past.letters.values()].join('')")
+    assert set("AB") <= set(letters) <= set("0AB")
+    marks = shown.page.evaluate("() => explorer.views.ball.past.marks.map(m => m.wall)")
+    assert {0, 1} == set(marks)
+    shown.page.click("#settle")
+    known = {}
+    exec(shown.page.evaluate("() => explorer.texts().python").replace("gz.plot.save", "(lambda *_: None)"), known)
+    told = shown.page.evaluate(
+        "() => explorer.views.ball.attractor.hits.map(h => [h.name, h.speed, h.before, h.after])"
+    )
+    names, *numbers = zip(*told, strict=True)
+    found = known["result"]
+    assert list(names) == found["impact_wall"].values.tolist()
+    np.testing.assert_array_equal(numbers[0], found["impact_speed"])
+    np.testing.assert_allclose(numbers[1:], [found["v_minus"], found["v_plus"]], rtol=0, atol=1e-14)
+
+
+def test_the_local_map_says_that_it_is_of_one_wall(shown, address):
+    shown.page.goto(f"{address}#version=2&view=strobe&two=yes")
+    shown.until("() => !document.getElementById('problem').hidden")
+    assert "one wall at rest; take the second wall away" in shown.problem()
+    shown.page.click("text=a second wall, above the ball")
+    shown.settle()
+    assert shown.problem() == "" and "two" not in shown.link()
+
+
 AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_modules/axe-core/axe.min.js")
 
 
@@ -386,6 +427,7 @@ AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_mo
         "oscillator&columns=20",
         "ball",
         "ball&twin=yes&sweeps=yes&offset=0.1225",
+        "ball&two=yes&sin_A=0.02&columns=20",
         "gap&lam=x",
         "chart&chart_columns=20",
         "strobe",

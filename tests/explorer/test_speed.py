@@ -196,3 +196,44 @@ def test_memory_is_steady_over_ten_minutes(shown, address, page, ready, minute, 
     heap, kernels = np.array(sizes).T
     assert kernels[-1] == kernels[1]
     assert max(heap[5:]) < max(heap[1:5]) + 200_000, sizes
+
+
+#: Impacts in a period between two walls at d = 0.12, counted, and as the page estimates them.
+COUNTED = """async () => {
+  const {machine, state} = explorer.views.oscillator;
+  const {crossings} = await import("./walls.js"), {rowOf} = await import("./flow.js");
+  const count = (k) => (k > 0 ? 1 + count(Math.floor(k / 3)) : 0);
+  return [[0.12, 0.4, 0], [0.2, 0.4, 0.2], [0.5, 0.4, 0.4], [0.15, 0, 0], [1.5, 0.2, 0]].map(([sigma_B, V, V_B]) => {
+    const each = {...state, two: true, sigma_B, V, V_B, alpha: 0.1, omega: 2.6};
+    const {letters} = machine.call("orbits", {columns: 1, starts: 1, keep: 100, rows: rowOf(machine, each),
+      lanes: Float64Array.of(0.05, 0.1), transient: 50}, ["letters"]);
+    return [letters.reduce((sum, k) => sum + count(k), 0) / 100, crossings(each)];
+  });
+}"""
+
+
+def test_the_page_knows_how_often_walls_are_hit(shown, address):
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=20")
+    shown.settle()
+    for counted, guessed in shown.page.evaluate(COUNTED):
+        assert guessed < 3.0 * max(counted, 1.0) and counted < 3.0 * max(guessed, 1.0), (counted, guessed)
+
+
+def test_a_picture_that_takes_long_begins_with_few_orbits_and_says_how_far_it_is(shown, address):
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=20")
+    shown.settle()
+    shown.page.evaluate(WATCH, "oscillator")
+    shown.page.evaluate("""() => {
+      const {context} = explorer.views.oscillator.diagram.axes, fill = context.fillText;
+      globalThis.said = [];
+      context.fillText = function (text, ...at) { said.push(text); return fill.call(this, text, ...at); };
+    }""")
+    shown.page.goto(f"{address}#version=2&view=oscillator&two=yes&sigma_B=0.12&V_B=0&columns=400")
+    shown.until("() => said.some(text => /^[1-9]\\d? %$/.test(text))")
+    jobs = shown.page.evaluate("seen.jobs.filter(({job}) => job === 'raster')")
+    first = jobs[0]["steps"]
+    assert sum(job["columns"] * job["steps"] for job in jobs if job["steps"] == first) <= 2500  # periods
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=20")
+    shown.settle()
+    shown.page.evaluate("said.length = 0; explorer.views.oscillator.diagram.draw()")
+    assert not shown.page.evaluate("said.some(text => /%/.test(text))")

@@ -173,6 +173,7 @@ def test_letters_are_typed_as_bumpers_are_hit(shown, address):
         ("left_sling", "Missed D by"),
         ("left_flipper", "Missed the left flipper by"),
         ("left_guide", "Missed the left guide by"),
+        ("dome", "Missed the dome by"),
     ],
 )
 def test_what_is_missed_by_a_hair_is_told(shown, address, name, said):
@@ -205,6 +206,8 @@ def past(one, rho, g, off=0.01, late=0.03, speed=6.0):
     elif one.kind == "flipper":
         nx, ny = np.cos(shape["rest"]), np.sin(shape["rest"])
         px, py = shape["x"] + (shape["length"] + shape["tip"]) * nx, shape["y"] + (shape["length"] + shape["tip"]) * ny
+    elif one.kind == "arc":  # from below, at the top of a flight that is bent more than the arc
+        px, py, nx, ny, speed = shape["x"], shape["y"] + shape["radius"], 0.0, -1.0, 1.0
     else:  # the end that stands higher
         (px, py), (qx, qy) = sorted(((shape["x1"], shape["y1"]), (shape["x2"], shape["y2"])), key=lambda p: -p[1])
         nx, ny = np.array([px - qx, py - qy]) / np.hypot(px - qx, py - qy)

@@ -99,6 +99,7 @@ OPEN = gz.collision_map(
 SMALL = {"starts": 2, "transient": 5, "keep": 4, "seed": 0, "threads": 1}
 
 
+@functools.cache
 def calls():
     """Return by name the function and a call of it that works, and is small."""
     t = things()

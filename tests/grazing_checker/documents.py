@@ -129,6 +129,14 @@ def claiming(document):
     return resealed({**document, "statement": said, "trusted_base": trusted_base(document["kind"])})
 
 
+def alike(paths):
+    """Return the first, the middle and the last of paths that differ in no more than places in lists."""
+    groups = {}
+    for path in paths:
+        groups.setdefault(tuple("*" if isinstance(part, int) else part for part in path), []).append(path)
+    return [path for group in groups.values() for path in dict.fromkeys((group[0], group[len(group) // 2], group[-1]))]
+
+
 def leaves(value, path=()):
     """Every path to something that is no list and no mapping, and to every empty one."""
     items = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()

@@ -16,6 +16,7 @@ from tests.grazing_checker.documents import (
     WALLED,
     WALLED_VALUES,
     WITNESSES,
+    alike,
     at,
     changed,
     claiming,
@@ -67,7 +68,7 @@ def test_every_field_that_changes_is_found_even_sealed_again(made, kind):
     document = made[kind]
     paths = [path for path in leaves(document) if path[0] != "sha256"]
     assert len(paths) > 60
-    for path in paths:
+    for path in alike(paths):
         forged = changed(document, path, other_value)
         with pytest.raises(Rejected):
             check(forged)

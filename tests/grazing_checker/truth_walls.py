@@ -178,8 +178,11 @@ class WalledRig:
                 inner = states[1 if self.n and wall == one else 0 : -1 if self.n and wall == two else None]
                 least = -1e-10 if touching == (i, wall) else 0
                 self.hold(min(float(of @ s) for s in inner) > least, f"flight {i + 1} meets wall {self.names[wall]}")
-                for j, (a, b) in enumerate(pairwise(states)):
-                    if rate @ a < 0 < rate @ b:
+                rates = [float(rate @ s) for s in states]
+                if self.n and wall == one:
+                    rates[0] = max(rates[0], 0.0)  # w = 0 is a rounding below 0 in floats, and no dip
+                for j, (a, b) in enumerate(pairwise(rates)):
+                    if a < 0 < b:
                         low = self.lowest(wall, z, L * (j + mpf(0.5)) / count)
                         self.hold(low > least, f"flight {i + 1} meets wall {self.names[wall]} in a dip")
 

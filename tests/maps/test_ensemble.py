@@ -17,7 +17,8 @@ from grazing.kernel import elementary
 from grazing.kernel.compile import _units as units_of
 from grazing.kernel.content import digest
 from grazing.maps import period
-from grazing.maps.ensemble import above_wall, ensemble, paced
+from grazing.maps.blocks import paced
+from grazing.maps.ensemble import above_wall, ensemble
 from grazing.maps.map import CHATTER_LETTER
 from grazing.maps.stroboscopic import step_of
 from grazing.maps.walled import between_walls
@@ -111,11 +112,11 @@ def test_bits_do_not_depend_on_the_size_of_a_block(way, n):
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("way", [("block", "fast"), ("scalar", "strict")])
 def test_bits_do_not_depend_on_how_many_blocks_are_a_tile(monkeypatch, way, threads):
-    columns = np.tile(np.arange(len(ROWS)), 40)  # 280 blocks of two columns each: several in a task
+    columns = np.tile(np.arange(len(ROWS)), 8)  # 56 blocks of two columns each: several in a task
     starts = starts_of(170, seed=5)
     alone = part(flown(way, ROWS, starts, 2, 2), columns, slice(None))
     for blocks in (1, 3, 8):
-        monkeypatch.setattr("grazing.maps.ensemble.paced", lambda _blocks, _spent, paced=blocks: paced)
+        monkeypatch.setattr("grazing.maps.blocks.paced", lambda _blocks, _spent, paced=blocks: paced)
         assert same(flown(way, ROWS[columns], starts[columns], 2, 2, threads=threads), alone)
 
 

@@ -10,9 +10,7 @@ from grazing.outcome import CHATTER, NO_IMPACT, STUCK
 from tests.models import MODELS
 
 
-@pytest.mark.parametrize(
-    "name", ["standard", "under-damped", "three harmonics", "near resonance", "trigger", "critical"]
-)
+@pytest.mark.parametrize("name", ["standard", "under-damped", "two harmonics", "near resonance", "trigger", "critical"])
 def test_determinant_law(name):
     """Area in (tau, w): det = e^{-alpha t} (v0/v1) g'(v1), t the time of flight, v0 after, v1 before an impact.
 
@@ -116,7 +114,7 @@ def test_impacts_after_many_periods_and_none_at_all_are_told_without_doubt(dampi
     """The ball leaves slowly from where the steady response is lowest: back there it comes when both swings agree."""
     rng = np.random.default_rng(int(1e4 * damping) + 3)
     late = none = 0
-    for _ in range(12):
+    for _ in range(5):
         k, omega, w = 10.0 ** rng.uniform(-0.7, 0.7), 10.0 ** rng.uniform(-0.7, 0.7), 10.0 ** rng.uniform(-3, 0)
         if abs(k - omega) < 0.1 * k:
             continue

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.maps.derivative import tangent_runner
 from tests.systems.balls import billiard, bouncing
 from tests.systems.models import oscillator
 
@@ -60,6 +61,10 @@ def test_a_ball_without_a_clock_has_the_speeds_of_its_bounces():
     orbit = P.orbit((0.5, 0.0), 6)
     np.testing.assert_allclose(orbit.points[1:, 1], 0.5 ** np.arange(1, 7), rtol=1e-13)
     np.testing.assert_allclose(P.jacobian((0.0, 1.0)), [[0.0, 0.0], [0.5, 0.5]], atol=1e-9)
+    tangent, prepare, kind, rows, _source, *_more = P.derivative(P.packed()[1][None])
+    lanes = np.zeros((2, 1))  # a bounce of no height takes long to give up, and began anew for ever
+    outcome = tangent_runner(tangent, prepare, kind, 2)(rows[0], lanes, np.empty((2, 2)))
+    assert outcome & gz.Outcome.too_many_swings and np.isnan(lanes).all()
 
 
 def test_the_letters_of_a_billiard_are_its_walls():

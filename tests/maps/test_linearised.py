@@ -7,14 +7,14 @@ import grazing as gz
 from grazing.maps.linearised import linearised_map, linearised_of
 from grazing.outcome import InputError
 from grazing.testing import check_map
-from tests.models import THREE, packed
+from tests.models import TWO, packed
 
 MODELS = {
     "standard": (gz.pinball(V=0.4), "d"),
     "passive": (gz.pinball(V=0.0, sigma=0.2), "d"),
     "b < 0": (gz.pinball(alpha=0.5, k=1.0, omega=1.3, V=0.1), "d"),
     "lambda < 0": (gz.pinball(alpha=0.2, k=3.0, V=0.1), "d"),
-    "three harmonics": (gz.Oscillator(2.5, 1.1, THREE, sigma=-0.3, reset=gz.active(r=0.7, V=0.3)), "offset"),
+    "two harmonics": (gz.Oscillator(2.5, 1.1, TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.3)), "offset"),
 }
 
 

@@ -37,7 +37,7 @@ SHIPPED = [
     gz.discontinuity_map(MODELS["under-damped"], order="full"),
     gz.discontinuity_map(MODELS["own law"], order="full", phase=0.7),
     gz.discontinuity_map(MODELS["critical"], order="corrected"),
-    gz.zdm(MODELS["three harmonics"]),
+    gz.zdm(MODELS["two harmonics"]),
     gz.zdm(MODELS["trigger"], order="lowest"),
     gz.normal_form(MODELS["standard"], "d").xy_map(0.12),
     make_logistic(),

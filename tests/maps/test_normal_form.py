@@ -14,7 +14,7 @@ from grazing import theory
 from grazing.maps.normal_form import constants, steady_minimum
 from grazing.oscillator.constants import steady_response
 from tests.examples import examples
-from tests.models import MODELS, THREE
+from tests.models import MODELS, TWO
 
 S = gz.pinball(alpha=3, k=1, omega=2.2, t0=0, r=0.8, V=0.4)
 
@@ -92,8 +92,8 @@ def test_any_parameter_unfolds_the_graze(name):
     assert nf.mu(np.array([nf.graze, nf.graze + h])).shape == (2,)
 
 
-def test_three_harmonics_graze_at_the_global_minimum():
-    m = gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-0.3, reset=gz.active(r=0.7, V=0.1))
+def test_two_harmonics_graze_at_the_global_minimum():
+    m = gz.Oscillator(alpha=0.5, k=1.3, forcing=TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.1))
     nf = gz.normal_form(m, "offset")
     at = m.replace(offset=nf.graze)
     free = gz.trajectory(at.replace(sigma=-9.0), (0.0, 0.0), until=40 * at.period, samples=2000)

@@ -23,7 +23,7 @@ MAPS = {
     "gap map": (gz.gap_map(0.9, 0.1, 0.0), "mu", [0.05, 0.1]),
     "three dimensions, some escape": (THREE_D, "a", [1.4, 1.9]),
     "oscillator": (gz.stroboscopic_map(gz.pinball(V=0.0, d=0.05)), "d", [0.02, 0.05]),
-    "phase": (gz.stroboscopic_map(MODELS["three harmonics"], 0.7), "omega", [1.1, 1.3]),
+    "phase": (gz.stroboscopic_map(MODELS["two harmonics"], 0.7), "omega", [1.1, 1.3]),
     "chatter": (gz.stroboscopic_map(MODELS["chatter"]), "r", [0.2, 0.3]),
     "undamped": (gz.stroboscopic_map(MODELS["elastic"]), "d", [-0.3, -0.2]),
     "impact map": (gz.impact_map(gz.pinball(V=0.4, d=0.12)), "d", [0.05, 0.12]),

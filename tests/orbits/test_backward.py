@@ -21,10 +21,10 @@ def oscillator(alpha, k, omega, reset, offset=0.0, **forcing):
 FLIGHTS = {
     "over-damped": oscillator(3.0, 1.0, 2.2, gz.newton(0.8), 0.3),
     "critical": oscillator(2.0, 1.0, 2.2, gz.newton(0.8), 0.4),
-    "under-damped": oscillator(0.3, 2.0, 1.1, gz.newton(0.8), 0.8, cos=(1.0, 0.3, 0.0), sin=(0.2, 0.5)),
+    "under-damped": oscillator(0.3, 2.0, 1.1, gz.newton(0.8), 0.8, cos=(1.0, 0.3), sin=(0.2, 0.5)),
     "undamped": oscillator(0.0, 1.0, 1.3, gz.newton(0.8), 0.8),
     "resonant": oscillator(0.0, 1.3, 1.3, gz.newton(0.8), 0.8),
-    "free": oscillator(0.0, 0.0, 2.2, gz.newton(0.8), 0.8, cos=(1.0, 0.0, 0.4)),
+    "free": oscillator(0.0, 0.0, 2.2, gz.newton(0.8), 0.8, cos=(1.0, 0.4)),
     "dragged": oscillator(1.0, 0.0, 2.2, gz.newton(0.8), 0.2),
 }
 

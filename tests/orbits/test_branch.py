@@ -44,10 +44,10 @@ OTHERS = {
     "shifted wall": (gz.pinball(sigma=-0.05, t0=0.7, d=0.02, V=0.4), 2, "sigma", 0.08),
     "passive": (gz.pinball(V=0.0, d=0.1), 2, "r", 0.6),
     "passive in d": (gz.pinball(V=0.0, d=0.1), 2, "d", 0.05),
-    "three harmonics": (
+    "two harmonics": (
         gz.Oscillator(
             alpha=0.5, k=1.3, sigma=-0.3, reset=gz.active(r=0.7, V=0.2),
-            forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, 0.3, -0.2), sin=(0.1, 0.0, 0.25)),
+            forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, 0.3), sin=(0.1, 0.25)),
         ), 1, "cos2", 0.8,
     ),
     "trigger": (

@@ -119,8 +119,7 @@ def test_another_phase_sees_the_same_orbits(kind):
 # ---- the impact pair
 
 
-@pytest.mark.parametrize("r", [0.3, 0.5, 0.8])
-@pytest.mark.parametrize("L", [0.4, 1.0, 1.7, 3.0])
+@pytest.mark.parametrize(("r", "L"), [(0.5, 0.4), (0.3, 1.0), (0.8, 1.7), (0.5, 3.0)])
 def test_both_symmetric_orbits_of_the_impact_pair_are_found(r, L):
     m = impact_pair(r, L, a=1.3, omega=1.7)
     q = L / 1.3
@@ -183,8 +182,7 @@ def test_multipliers_of_the_impact_pair_are_those_of_a_flight_by_bisection(L):
 # ---- a ball on a moving table
 
 
-@pytest.mark.parametrize("n", [1, 2, 3])
-@pytest.mark.parametrize("r", [0.1, 0.5, 0.85])
+@pytest.mark.parametrize(("r", "n"), [(0.1, 1), (0.5, 2), (0.85, 3), (0.85, 1)])
 def test_the_ball_on_a_moving_table_doubles_where_the_closed_form_says(r, n):
     fold = n * np.pi * (1.0 - r) / (1.0 + r)
     flip = np.hypot(fold, 2.0 * (1.0 + r * r) / (1.0 + r) ** 2)
@@ -296,7 +294,7 @@ def test_a_branch_through_grazes_of_both_walls_is_that_of_the_flow():
     assert seen > 10
 
 
-@pytest.mark.parametrize("r", [0.3, 0.5, 0.8])
+@pytest.mark.parametrize("r", [0.3, 0.8])
 def test_the_symmetry_of_the_impact_pair_breaks_where_the_closed_form_says(r):
     # half a turn has trace 2 r - (1 + r)^2 pi sin phi/(2 v) and determinant r^2: a multiplier -1 at v = pi sin phi/2
     phi = np.pi - np.arctan(2.0 * (1.0 + r) / (np.pi * (1.0 - r)))
@@ -342,10 +340,20 @@ def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_para
         assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12) and back.complete
 
 
-@pytest.mark.parametrize("g", [2, 4])
-def test_symmetry_is_that_of_the_period_of_what_moves_the_model(g):
-    # the pair of the test above, driven by harmonic g alone: its orbits are gone round g times in a period
-    r = 0.5
+def test_harmonics_that_all_repeat_sooner_make_the_symmetry_that_of_their_own_period():
+    def box(*sin):
+        shake = gz.Forcing(omega=1.0, sin=sin, cos=())
+        walls = [gz.wall(x, gz.newton(0.5), motion=shake) for x in (-1.0, 1.0)]
+        return gz.Oscillator(alpha=0, k=0, forcing=gz.Forcing(omega=1.0, cos=()), walls=walls)
+
+    every_fourth = box(*(1.0 if j % 8 == 4 else 0.0 for j in range(1, 13)))
+    assert every_fourth.turns == 4 and every_fourth.symmetric
+    assert box(0, 0, 0, 1.0).symmetric and not box(0, 0, 0, 1.0, 0, 0, 0, 1.0).symmetric
+
+
+def test_symmetry_is_that_of_the_period_of_what_moves_the_model():
+    # the pair of the test above, driven by harmonic 2 alone: its orbits are gone round twice in a period
+    r, g = 0.5, 2
     phi = np.pi - np.arctan(2.0 * (1.0 + r) / (np.pi * (1.0 - r)))
     edge = (0.5 * np.pi**2 - 2.0) * np.sin(phi)
     phi, L = pair_phases(r, 1.1 * edge)[0], 1.1 * edge

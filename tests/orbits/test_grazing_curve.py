@@ -23,8 +23,8 @@ MODELS = {
     "active": (gz.pinball(d=0.12), 0.0, ((0.0, 1.0), (-1.0, 1.0))),
     "passive": (gz.pinball(d=0.12, V=0.0), 0.4, ((0.0, 1.0), (-1.0, 1.0))),
     "light": (oscillator(0.1, 1.0, 2.8, gz.newton(0.9), -0.2, -0.1), 0.0, ((-0.1, 1.5), (-1.5, 1.5))),
-    "no spring, three harmonics": (
-        oscillator(0.2, 0.0, 1.7, gz.active(0.6, 0.5), -0.3, 0.3, 0.3, cos=(1.0, 0.4), sin=(0.0, 0.3, 0.5)),
+    "no spring, two harmonics": (
+        oscillator(0.2, 0.0, 1.7, gz.active(0.6, 0.5), -0.3, 0.3, 0.3, cos=(1.0, 0.4), sin=(0.0, 0.5)),
         0.7, ((0.3, 2.3), (-1.5, 1.5)),
     ),
     "critical, own law": (

@@ -21,7 +21,7 @@ def test_rotations_of_letters_share_a_key_and_other_words_do_not():
     assert len(set(begun)) == 1
 
 
-@pytest.mark.parametrize("name", ["standard", "passive", "under-damped", "three harmonics", "trigger", "own law"])
+@pytest.mark.parametrize("name", ["standard", "passive", "under-damped", "two harmonics", "trigger", "own law"])
 def test_recorded_impacts_are_those_of_the_trajectory(name):
     m = MODELS[name]
     states = np.array([[m.sigma + 0.02, -0.1], [m.sigma + 0.3, 0.2], [m.sigma, 0.4]])

@@ -26,14 +26,14 @@ from grazing.oscillator.departure import FLIES, LIES, RELEASED, chatter_complete
 from grazing.oscillator.flight import anchored, flight
 from grazing.outcome import BAD_LAW, CHATTER, OK, STUCK
 from tests.examples import examples
-from tests.models import MODELS, packed
+from tests.models import PLAIN, packed
 
 
 def constants_for(name):
-    return packed(stroboscopic_map(MODELS[name]))
+    return packed(stroboscopic_map(PLAIN[name]))
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", PLAIN)
 def test_no_scan_finds_an_earlier_contact(name):
     """A fine scan of the free flight never sees the ball below the wall before the contact that was found."""
     c = constants_for(name)

@@ -92,6 +92,17 @@ def test_a_ball_that_may_lie_on_a_moving_wall_is_not_decided():
     assert exact_period(model, (float(at[0]) + 1e-9, float(speed[0]))) is not None
 
 
+def test_a_ball_that_ends_at_rest_on_a_moving_wall_is_where_the_next_step_has_the_wall():
+    """The place rounded once is a unit in the last place beside: the next step took the ball for one that chatters."""
+    for phase in (0.1, 0.3, 0.7, 1.9):
+        ride = gz.Forcing(omega=1.3, t0=0.2, cos=(0.1,), sin=(0.05,))
+        model = gz.Oscillator(
+            0.1, 0.3, gz.Forcing(omega=1.3, offset=-5.0, cos=(0.1,)), walls=[gz.wall(0.4, gz.newton(0.3), motion=ride)]
+        )
+        step = gz.stroboscopic_map(model, phase=phase)((0.6, -1.0))[0]
+        assert exact_period(model, (0.6, -1.0), phase).state == tuple(step)
+
+
 def test_a_law_that_takes_no_balls_leaves_a_step_undecided():
     def law(v, p):
         return float(np.float64(0.5) * -v)

@@ -15,7 +15,7 @@ from grazing.oscillator.constants import roots
 from grazing.oscillator.flight import anchored, divided2, divided3, duhamel, flight, modes, noise
 from grazing.parameter import parameters
 from tests.examples import examples
-from tests.models import MODELS, packed
+from tests.models import PLAIN, packed
 from tests.reference import Problem, free_flight, newton
 
 
@@ -33,9 +33,9 @@ def error(m, c, t, y, v, s):
     return ey, abs(float(exact[1] - flint.arb(got[1]))), noise(s, a, c)
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", PLAIN)
 def test_flight_and_its_error_bound(name):
-    m = MODELS[name].replace(sigma=0.0) if MODELS[name].sigma else MODELS[name]
+    m = PLAIN[name].replace(sigma=0.0) if PLAIN[name].sigma else PLAIN[name]
     c = packed(stroboscopic_map(m))
     rng = np.random.default_rng(7)
     ratios = []
@@ -80,7 +80,7 @@ def test_places_where_plain_formulas_lose_their_digits(alpha, k, omega):
 
 @pytest.mark.parametrize("name", ["standard", "under-damped", "critical", "three harmonics", "stiff"])
 def test_both_forms_of_the_forced_part_agree(name):
-    c = packed(stroboscopic_map(MODELS[name]))
+    c = packed(stroboscopic_map(PLAIN[name]))
     assert c.steady
     plain = c._replace(steady=False)
     for s in np.linspace(0.02, 0.98, 9) * min(c.T, c.piece):
@@ -88,9 +88,9 @@ def test_both_forms_of_the_forced_part_agree(name):
         assert flight(s, a, c) == pytest.approx(flight(s, b, plain), abs=4e-15)
 
 
-@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("name", PLAIN)
 def test_flights_compose(name):
-    c = packed(stroboscopic_map(MODELS[name]))
+    c = packed(stroboscopic_map(PLAIN[name]))
     for t, s1, s2 in ((0.0, 0.1, 0.2), (0.3, 0.01, 0.6), (0.5, 0.4, 0.02)):
         t, s1, s2 = (x * min(c.T, c.piece) for x in (t, s1, s2))
         middle = flight(s1, anchored(t, 0.3, -0.2, c), c)

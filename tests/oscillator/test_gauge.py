@@ -14,9 +14,9 @@ OSCILLATORS = {
     "chatter": gz.pinball(alpha=0.3, k=1.0, omega=1.0, d=-0.5, r=0.5, V=0.0),
     "stiff": gz.pinball(alpha=60.0, k=40.0, omega=1.0, d=-0.3, r=0.9, V=0.2),
     "fast": gz.pinball(alpha=0.02, k=30.0, omega=1.0, d=0.2, r=0.8, V=0.1),
-    "three harmonics": gz.Oscillator(
+    "two harmonics": gz.Oscillator(
         alpha=0.5, k=1.3, sigma=-0.3, reset=gz.active(r=0.7, V=0.2),
-        forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, 0.3, -0.2), sin=(0.1, 0.0, 0.25)),
+        forcing=gz.Forcing(omega=1.1, t0=0.4, offset=0.2, cos=(1.0, -0.3), sin=(0.1, 0.25)),
     ),
 }  # fmt: skip
 
@@ -70,7 +70,7 @@ def test_no_sample_is_beyond_the_extremes_and_fine_ones_come_near(name):
         assert found["mean_impact_speed"] == pytest.approx(float(np.abs(path.v_minus).mean()), rel=1e-14)
 
 
-@pytest.mark.parametrize("name", ["the standard set", "under-damped", "three harmonics"])
+@pytest.mark.parametrize("name", ["the standard set", "under-damped", "two harmonics"])
 def test_momentum_and_energy_balance_over_a_closed_orbit(name):
     """Integrated over a cycle, impulses carry what force and spring leave, and damping and impacts take its work.
 

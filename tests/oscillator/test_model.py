@@ -7,12 +7,12 @@ import pytest
 
 import grazing as gz
 from grazing.oscillator.parameters import describe_parameter
-from tests.models import MODELS
+from tests.models import MODELS, THREE_HARMONICS
 
 
 def test_params_are_flat_and_in_a_fixed_order():
     assert list(gz.pinball().params) == ["alpha", "k", "omega", "t0", "d", "cos1", "sin1", "sigma", "r", "V"]
-    three = MODELS["three harmonics"]
+    three = THREE_HARMONICS
     assert list(three.params) == [
         "alpha",
         "k",

@@ -57,7 +57,7 @@ def test_impacts_against_the_reference(name):
 
 
 def test_start_in_the_middle_of_a_period_and_off_zero():
-    m = MODELS["three harmonics"]
+    m = MODELS["two harmonics"]
     whole = gz.trajectory(m, (0.5, 0.0), start=-3.0, until=20.0, samples=400)
     at = np.searchsorted(whole.t.values, 4.0)
     t, u, v = (float(whole[name].values[at]) for name in ("t", "u", "v"))

@@ -2,10 +2,12 @@
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import grazing as gz
 from grazing import InputError, plot
 from grazing.cli import main
+from grazing.plot.branch import drawn
 from tests.plot import results
 
 
@@ -81,3 +83,23 @@ def test_what_is_no_curve_is_refused_with_what_is_one(curves):
 def test_a_locus_in_other_parameters_is_refused(locus):
     with pytest.raises(InputError, match=r"but no mu; give .*gz\.locus in mu and l"):
         plot.chart(results.chart(), curves=locus)
+
+
+def test_a_line_goes_on_where_an_impact_crosses_the_strobe_but_not_where_the_coordinate_jumps():
+    """The word changes there, nothing else: a gap of a whole step looked like values without the orbit."""
+    p = np.linspace(0.0, 1.0, 9)
+    later, one = p > 0.5, np.ones(9, int)
+    columns = {"stable": one, "admissible": one, "event": 0 * one, "piece": 0 * one, "period": one}
+    columns |= {"word": np.where(later, "(BA)", "(AB)"), "p": p}
+    table = xr.Dataset({name: ("point", values) for name, values in columns.items()})
+    table["u"] = ("point", "one"), (np.where(later, 0.3 * p + 0.15, 0.6 * p))[:, None]
+    table["v"] = ("point", "one"), (np.where(later, 2.0, -1.0) + 0.1 * p)[:, None]
+    _figure, (ax,) = plot.panels()
+    ends = {}
+    for name in ("u", "v"):
+        for shades in (None, {"(AB)": "red", "(BA)": "blue"}):
+            lines = drawn(table, ax, "p", name, True, shades)
+            ends[name, shades is None] = [(line.get_xdata()[0], line.get_xdata()[-1]) for line in lines]
+    assert ends["u", True] == [(0.0, 1.0)]
+    assert ends["u", False] == [(0.0, 0.625), (0.625, 1.0)]  # each word in its colour
+    assert ends["v", True] == ends["v", False] == [(0.0, 0.5), (0.625, 1.0)]

@@ -228,6 +228,19 @@ def test_windows_of_a_dataset():
     assert len(ax.patches) == 6  # both windows of period 1
 
 
+def test_windows_of_one_period_that_overlap_lie_above_each_other():
+    """As those of several words between walls do: their bars ran into one, and no edge of them was seen."""
+    columns = {"N": [1, 1, 1, 2], "low": [0.1, 0.4, 0.7, 0.1], "high": [0.6, 0.7, 0.9, 0.9]}
+    table = xr.Dataset({name: ("window", values) for name, values in columns.items()})
+    _fig, (ax,) = plot.panels()
+    plot.windows(table, ax, shade=0.0)
+    bars = [(bar.get_x(), bar.get_x() + bar.get_width(), bar.get_y()) for bar in ax.patches]
+    assert len(bars) == 4
+    for n, (low, high, row) in enumerate(bars):
+        assert not any(row == other and min(high, y) - max(low, x) > 1e-9 for x, y, other in bars[:n])
+    assert len({row for _low, _high, row in bars}) == 3  # two that only meet share a row
+
+
 def test_windows_alone_are_drawn_over_the_range_that_they_take():
     far = gz.windows(gz.pinball(omega=2.2, V=0.4), "omega", N=[2, 3], span=(2.0, 9.0))
     drawn = plot.windows(far)

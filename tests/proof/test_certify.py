@@ -12,7 +12,7 @@ from grazing.orbits.signature import flown
 from grazing.orbits.windows import windows
 from grazing.proof.certify import certify
 from grazing.proof.check import check_certificate
-from tests.models import MODELS, THREE, TWO_HARMONICS, cubic
+from tests.models import MODELS, TWO, TWO_HARMONICS, cubic
 from tests.proof.orbits import attractor, closed, doubled, without_impacts
 
 PINBALL = gz.pinball(V=0.4)
@@ -104,7 +104,7 @@ def test_attractors_of_all_kinds_of_models_are_proven(model, periods, impacts, l
     [
         gz.pinball(d=0.14), MODELS["stiff"], gz.pinball(alpha=0.0, k=3.0, d=3.0),
         gz.pinball(alpha=2.0, d=1.0, sigma=0.3),
-        gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-1.5, reset=gz.newton(r=0.7)),
+        gz.Oscillator(alpha=0.5, k=1.3, forcing=TWO, sigma=-1.5, reset=gz.newton(r=0.7)),
     ],
 )  # fmt: skip
 def test_orbits_without_impacts_are_proven(model):

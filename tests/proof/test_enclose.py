@@ -8,10 +8,8 @@ from grazing.orbits.windows import windows
 from grazing.proof.check import check_certificate
 from grazing.proof.enclose import enclose
 from grazing_checker.sentence import EVENTS
-from tests.models import THREE
+from tests.models import TWO_HARMONICS
 from tests.proof.orbits import without_impacts
-
-HARMONICS = gz.Oscillator(alpha=0.5, k=1.3, forcing=THREE, sigma=-0.3, reset=gz.newton(r=0.7))
 
 
 def edges(model, name, N, **more):
@@ -52,7 +50,7 @@ def test_the_edges_of_the_windows_of_the_standard_model_are_enclosed_in_time():
     [
         (gz.pinball(alpha=0.2, omega=2.8, V=0.0, d=0.0), "d", [1, 2], {"lp", "pd"}),
         (gz.pinball(alpha=0.05, d=-0.5), "d", [1], {"lp", "ns"}),
-        (HARMONICS, "omega", [1], {"lp", "gr"}),
+        (TWO_HARMONICS, "omega", [1], {"lp", "gr"}),
         (gz.pinball(alpha=2.0, V=0.3, r=0.9, d=-0.2), "d", [2, 3], {"gr", "pd"}),
         (gz.pinball(d=0.1), "sigma", [2], {"gr", "pd"}),
         (gz.pinball(d=0.12), "k", [3], {"gr", "pd"}),

@@ -8,7 +8,7 @@ from flint import arb, ctx
 import grazing as gz
 from grazing.proof.flow import MOST_STEPS, Flow, TooLong
 from grazing_checker.flight import Checked, Motion, Path, exceeds, transition
-from tests.models import MODELS, THREE
+from tests.models import PLAIN, THREE
 
 NAMES = ("critical", "under-damped", "undamped, no stiffness", "near resonance", "stiff", "three harmonics", "soft")
 
@@ -51,7 +51,7 @@ def flown(model, t, v, L):
 
 @pytest.mark.parametrize("name", NAMES)
 def test_both_ways_of_flying_enclose_the_same_flight(name):
-    model = MODELS[name]
+    model = PLAIN[name]
     rng = np.random.default_rng(3)
     flow, flights = Flow(model), Checked(motion_of(model))
     for _ in range(4):
@@ -68,7 +68,7 @@ def test_both_ways_of_flying_enclose_the_same_flight(name):
 
 @pytest.mark.parametrize("name", ["critical", "three harmonics"])
 def test_flights_agree_with_an_integrator(name):
-    model = MODELS[name]
+    model = PLAIN[name]
     flow = Flow(model)
     y, v = flown(model, 0.3, 0.7, 0.6)
     found = flow.read(flow.fly(flow.start(arb(0.3), arb(0), arb(0.7)), arb(0.3), arb(0.6)))
@@ -100,7 +100,7 @@ def test_derivatives_by_every_parameter_agree_with_each_other_and_with_differenc
 
 
 def test_balls_hold_the_flights_of_their_points():
-    model = MODELS["under-damped"]
+    model = PLAIN["under-damped"]
     flow, flights = Flow(model), Checked(motion_of(model))
     t, v, L = arb(0.5, 1e-8), arb(0.3, 1e-8), arb(3.0, 1e-8)
     wide = flow.read(flow.fly(flow.start(t, arb(0), v), t, L)), Path(flights, t, arb(0), v, L)
@@ -115,7 +115,7 @@ def test_balls_hold_the_flights_of_their_points():
 
 
 def test_cells_hold_the_flight_inside():
-    flow = Flow(MODELS["three harmonics"])
+    flow = Flow(PLAIN["three harmonics"])
     h = arb(flow.reach)
     z = flow.start(arb(0.2), arb(0.1), arb(-0.4))
     around = flow.cell(h) * z

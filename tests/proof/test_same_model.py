@@ -4,6 +4,8 @@ import pytest
 
 import grazing as gz
 from grazing.proof.gap import certify_gap_edge, certify_gap_orbit
+from grazing.proof.gap_chaos import prove_no_attractor
+from grazing.proof.same_model import of_rig, same_model
 from tests.billiard.orbits import active_discs
 from tests.grazing_checker.bases import table_bases
 from tests.grazing_checker.documents import documents, own_model, rattle, vibrating_table
@@ -62,3 +64,38 @@ def test_of_the_gap_map_the_values_are_compared():
     another(edge.document, gz.gap_map(lam=0.8, mu=0.3, l=0.0), "its lam is 0.9, here it is 0.8")
     with pytest.raises(gz.InputError, match=r"give a gz\.Oscillator, a gz\.table or a gap map"):
         gz.check_certificate(orbit, model=3)
+
+
+def test_an_interval_of_the_gap_map_is_about_every_mu_in_it():
+    proof = prove_no_attractor(0.9, 0.4, 0.28, 0.3).document
+    for mu in (0.28, 0.29, 0.3):
+        same(proof, gz.gap_map(lam=0.9, mu=mu, l=0.4))
+    for mu in (0.27, 0.31):
+        another(proof, gz.gap_map(lam=0.9, mu=mu, l=0.4), f"its mu is at least 0.28 and at most 0.3, here it is {mu}")
+    another(proof, gz.gap_map(lam=0.8, mu=0.29, l=0.4), "its lam is 0.9, here it is 0.8")
+    small = prove_no_attractor(0.9, 0.0, 0.0, 0.18).document
+    same(small, gz.gap_map(lam=0.9, mu=1e-300, l=0.0))
+    another(small, gz.gap_map(lam=0.9, mu=0.0, l=0.0), r"its mu is above 0\.0 and at most 0\.18, here it is 0\.0")
+
+
+def constant(v, p):
+    return p.after
+
+
+def strange(v, p):
+    return -p.model * v + p.parameters
+
+
+@pytest.mark.parametrize(("law", "values"), [(constant, {"after": 0.5}), (strange, {"model": 0.3, "parameters": 0.4})])
+def test_no_name_of_a_parameter_of_a_law_hides_its_value(law, values):
+    """A law may call a parameter what certificates call their own parts."""
+
+    def model(**changes):
+        reset = gz.reset(law, **{**values, **changes})
+        return gz.Oscillator(alpha=1.0, k=1.0, forcing=gz.Forcing(omega=2.2), reset=reset)
+
+    data = of_rig(model(), [])
+    same_model(data, model())
+    for name, value in values.items():
+        with pytest.raises(gz.InputError, match=f"another model: its law {name} is {value}, here it is 0.7"):
+            same_model(data, model(**{name: 0.7}))

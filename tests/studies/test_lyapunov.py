@@ -13,7 +13,7 @@ from grazing import theory
 from grazing.studies.growth import LEAST, MOST, carried, orthonormal, relieved, summed
 from grazing.studies.lyapunov import WARM, lyapunov, plan
 from grazing.studies.plan import empty_arrays, labelled
-from tests.models import MODELS, TWO_HARMONICS
+from tests.models import MODELS
 from tests.studies.maps import FOLLOWER, HENON, LOGISTIC, SMOOTH, SPIRAL, linear_map, states_in
 
 INF = np.inf
@@ -207,7 +207,7 @@ def test_the_sum_rule_on_a_chaotic_orbit():
 
 @pytest.mark.parametrize("name", ["standard", "two harmonics", "trigger", "own law", "under-damped", "critical"])
 def test_the_sum_rule_on_cycles_of_every_model(name):
-    model = TWO_HARMONICS if name == "two harmonics" else MODELS[name]
+    model = MODELS[name]
     P = gz.stroboscopic_map(model)
     found = lyapunov(P, starts=6, transient=1500)
     seen = 0

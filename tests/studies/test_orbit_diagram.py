@@ -350,6 +350,9 @@ def test_orbits_of_own_maps_that_grow_without_bound_have_diverged():
     for slopes in ({"left": -0.8, "right": -2.7}, {"left": 1.05, "right": 1.05, "move": -1.2}):
         found = gz.orbit_diagram(P.replace(**slopes), "scale", [0.5, 1.0], starts=3, transient=1000)
         assert (found.outcome.values == gz.Outcome.diverged).all() and np.isnan(found.x.values).all()
+    by_turns = P.replace(left=-4.0, right=-0.26, move=0.0)  # near again after every step away
+    found = gz.orbit_diagram(by_turns, "c", [0.0], starts=3, transient=1000)
+    assert (found.outcome.values == gz.Outcome.diverged).all()
     for bounded in (
         {"left": 3.8, "right": 3.8, "c": 3.8, "move": 0.0, "scale": 1e6},  # chaos far from the box
         {"left": 0.99, "right": 0.99, "move": 1.0, "scale": 1e6},  # on the way to 1e8

@@ -71,7 +71,7 @@ def test_windows_hold_exactly_the_values_with_an_orbit(lam, l, span):
         stable = theory.word_windows(word, lam, l, span)
         exist = theory.word_windows(word, lam, l, span, stable=False)
         low, high = span or (-0.3, 1.8)
-        values = [*rng.uniform(low, high, 12), *(10.0 ** rng.uniform(-4, 0, 8))]
+        values = [*rng.uniform(low, high, 4), *(10.0 ** rng.uniform(-4, 0, 3))]
         edges = np.array([end for w in (*stable, *exist) for end in w[:2]])
         values += [
             end * (1 + sign * size) for end in edges if np.isfinite(end) for sign in (-1, 1) for size in (1e-5, 0.03)
@@ -85,7 +85,7 @@ def test_windows_hold_exactly_the_values_with_an_orbit(lam, l, span):
             inside = any(a < mu < b for a, b, *_types in stable)
             assert inside == any(orbit.stable for orbit in admissible), (word, mu)
             checked += 1
-    assert checked > 250
+    assert checked > 100
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ from grazing.billiard.elements import (
 )
 from grazing.billiard.hit import first_turning, flown, is_open, met, period_of, rows_of, struck
 from grazing.billiard.march import first_contact
-from grazing.billiard.rows import FACES, FLIPPERS, GRAVITY, LENGTH, OWNER, SIZE, WIDTH
+from grazing.billiard.rows import FACES, FEET, FLIPPERS, GRAVITY, LENGTH, OWNER, WIDTH
 from grazing.billiard.slide import HITS, LEAVES, STAYS, WAITS, pressing, slide
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import (
@@ -108,15 +108,13 @@ def cleared(
     ``wall`` the side.
     """
     reach, beside = 0.0, -1
-    if surface >= first_turning(table):
+    if table[FEET] == 0.0 or surface >= first_turning(table):
         return x, y, reach, beside
     rows, el = rows_of(table), element(surface, clock, table)
     for i in range(int(table[FACES])):
         row = behind(rows, WIDTH * i)
         if is_open(int(row[OWNER]), table) or surface // 2 == i:
             continue
-        if row[SIZE] > 0.0:  # the ball has a radius
-            return x, y, reach, beside
         wall = element(2 * i + 1, clock, table)
         far = apart(wall, el, x, y)
         if abs(gap_of(wall, x, y)) > far or not holds(wall, x, y, far) or not joins(el, wall, x, y, 0.5 * far):
@@ -134,15 +132,23 @@ def cleared(
 
 
 @inlined
+def is_slow(left: float, v: Any, after: Any, table: Any) -> Any:
+    """Say whether a ball that left something is as slow before and after an impact as :func:`falls_out` asks."""
+    x, y, vx, vy = after
+    fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
+    return left >= 0.0 and fast <= SLOW * table[GRAVITY] * (abs(x) + abs(y) + table[LENGTH])
+
+
+@inlined
 def falls_out(surface: int, left: int, v: Any, after: Any, clock: float, table: Any) -> Any:
     """Say whether gravity pulls a ball off what it hits and what it left, while it is on both up to rounding.
 
     So it is in a notch of a ceiling, where hits of no time take its speed to 0, and it falls out.
     """
     (x, y, vx, vy), g = after, table[GRAVITY]
-    fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
-    if left < 0 or not fast <= SLOW * g * (abs(x) + abs(y) + table[LENGTH]):
+    if not is_slow(1.0 * left, v, after, table):
         return False
+    fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
     here, there = element(surface, clock, table), element(left, clock, table)
     width = width_of(here, x, y) + width_of(there, x, y)
     hangs = normal_of(here, x, y)[1] < 0.0 and normal_of(there, x, y)[1] < 0.0
@@ -224,8 +230,10 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
     if not t < INFINITY:
         return (surface, -1, t, flags | DIVERGED, left), state, state, NONE
     (owner, said, now), before, after, speeds = landed(surface, t, x, y, vx, vy, clock, table)
-    x, y, v, normal = after[0], after[1], (before[2], before[3]), (speeds[3], speeds[4])
-    now, after = at_foot(surface, int(left), now, x, y, v, after, normal, clock + t, table)
+    v = before[2], before[3]
+    if table[FEET] > 0.0 or is_slow(left, v, after, table):
+        x, y, normal = after[0], after[1], (speeds[3], speeds[4])
+        now, after = at_foot(surface, int(left), now, x, y, v, after, normal, clock + t, table)
     return (surface, owner, t, flags | said, now), before, after, speeds
 
 

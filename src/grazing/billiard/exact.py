@@ -83,7 +83,9 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
             within = foot, fmpq_poly([exact(row[LONG])]) - foot
             bare, slack = left >= 0 and left // 2 != i and row[SIZE] == 0.0, slack_of(row, x0, y0)
-            corner, way = face_corner(i, x0, y0, vx0, vy0, left, faces, circles, rows) if bare else (False, 0.0)
+            corner, way, shut = False, 0.0, False
+            if bare:
+                corner, way, shut = face_corner(i, x0, y0, vx0, vy0, left, faces, circles, rows)
             for side, sign in enumerate((-1, 1)):
                 surface = 2 * i + side
                 if (corner and sign * way < 0.0) or (slid and beside_face(row, float(sign), *state)):
@@ -91,7 +93,9 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
                 if corner:
                     off -= off[0]
                 fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
-                seen = closed(within, row, float(sign), corner, slack, left, faces, circles, rows) if bare else within
+                seen: tuple[fmpq_poly, ...] = within
+                if bare:
+                    seen = closed(within, row, float(sign), corner, shut, slack, left, faces, circles, rows)
                 yield made(surface, owner, sign * off - size, seen, fresh, spread)
             continue
         surface, h = faces + i, dx * dx + dy * dy - size * size
@@ -113,14 +117,16 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
 
 
 def closed(
-    within: tuple[fmpq_poly, ...], row: Floats, sign: float, corner: bool, slack: float, left: int, faces: int,
-    circles: int, rows: Floats,
+    within: tuple[fmpq_poly, ...], row: Floats, sign: float, corner: bool, off: bool, slack: float, left: int,
+    faces: int, circles: int, rows: Floats,
 ) -> tuple[fmpq_poly, ...]:  # fmt: skip
     """Return where a side of a face is to a ball that left a surface on which it ends: rounding leaves no way out."""
 
     def shut(far: int) -> fmpq:
         here = corner and abs(within[far][0]) <= exact(slack)
-        side = closing(left, faces, circles, rows, row, sign, float(far), here, slack)
+        side = -1.0
+        if not (here and off):
+            side = closing(left, faces, circles, rows, row, sign, float(far), here, slack)
         return exact(slack * (side if side > 0.0 else 2.0 * side))  # where it is not, it is not near either
 
     return within[0] + shut(0), within[1] + shut(1)

@@ -160,24 +160,25 @@ def slack_of(row: Any, x: float, y: float) -> Any:
 def face_corner(
     i: int, x: float, y: float, vx: float, vy: float, last: int, faces: int, circles: int, rows: Any
 ) -> Any:  # fmt: skip
-    """Return (corner, way): whether a ball without a radius is on the line of a face, and on its right or left, +-.
+    """Return (corner, way, shut): whether a ball without a radius is on the line of a face, on its right or left, +-.
 
     It is on the side on which the body is of what it left; if the face falls away from that, on the other one; and on
-    that to which it flies, if another face lies between both.
+    that to which it flies, if another face lies between both: then it is ``shut`` off, and meets no side of it there.
     """
     row = behind(rows, WIDTH * i)
     dx, dy, ex, ey = x - row[PX], y - row[PY], row[EX], row[EY]
     e, foot, leaves = slack_of(row, x, y), ex * dx + ey * dy, ey * vx - ex * vy
     if abs(ey * dx - ex * dy) > e:
-        return False, 0.0
+        return False, 0.0, False
+    shut = shut_off(i, last, x, y, faces, circles, rows)
     body = body_of(last, faces, circles, rows)
     way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
     far = 1.0 if foot > 0.5 * row[LONG] else 0.0
-    if abs(way) <= e or shut_off(i, last, x, y, faces, circles, rows):  # one line goes on as the other: it leaves both
+    if abs(way) <= e or shut:  # one line goes on as the other: it leaves both
         way = leaves
     elif abs(foot - far * row[LONG]) <= e and closing(last, faces, circles, rows, row, 0.0, far, True, e) < 0.0:
         way = -way
-    return True, way
+    return True, way, shut
 
 
 @inlined
@@ -345,19 +346,19 @@ def of_face(
     beside, foot = last // 2 != i, ex * dx + ey * dy
     if beside and inside_face(off, foot, size, row[LONG], e):
         return ended(found, 2 * i, 0.0, INSIDE_WALL)
-    corner, way = False, 0.0
+    corner, way, shut = False, 0.0, False
     if size == 0.0 and last >= 0 and beside:
-        corner, way = face_corner(i, x, y, vx, vy, last, faces, circles, rows)
-    for side in range(2):
-        sign, surface = 2.0 * side - 1.0, 2 * i + side
-        if size == 0.0 and last == 2 * i + 1 - side:
+        corner, way, shut = face_corner(i, x, y, vx, vy, last, faces, circles, rows)
+    for k in range(2):
+        sign, surface = 2.0 * k - 1.0, 2 * i + k
+        if size == 0.0 and last == 2 * i + 1 - k:
             continue  # both sides are one line, and it leaves that from the other one
         if (corner and sign * way < 0.0) or (slid and beside_face(row, sign, x, y, vx, vy)):
             continue
-        h, rate, k = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
+        h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
         if corner or (beside and size > 0.0 and h >= -DEEP * e and foot > e and foot < row[LONG] - e):
             h = max(h, 0.0)  # rounding put it behind what it touches
-        t, late, said = face_crossing(h, rate, k, e, d, last == surface)
+        t, late, said = face_crossing(h, rate, bend, e, d, last == surface)
         if said & STUCK:
             return ended(found, surface, 0.0, said)
         face = ex, ey, size, row[LONG]
@@ -369,8 +370,10 @@ def of_face(
             far = 1.0 if then > 0.5 * row[LONG] else 0.0
             if abs(then - far * row[LONG]) <= wide:
                 here = corner and abs(foot - far * row[LONG]) <= wide
-                shut = closing(last, faces, circles, rows, row, sign, far, here, wide)
-                on, unsure = (shut > 0.0, OK) if shut != 0.0 else (on, unsure)
+                side = -1.0
+                if not (here and shut):
+                    side = closing(last, faces, circles, rows, row, sign, far, here, wide)
+                on, unsure = (side > 0.0, OK) if side != 0.0 else (on, unsure)
         if on:
             found = nearer(found, surface, row[OWNER], t, late)
         found = found[0], found[1], found[2], found[3], found[4] | said | unsure

@@ -139,7 +139,9 @@ def place_of(surface: int, x: float, y: float, table: Any) -> Any:
         return row[RIGHT] + foot if surface % 2 == 1 else row[FROM] + row[LONG] - foot
     row = behind(rows, WIDTH * (surface - faces))
     sign, size = row[SIGN] if surface >= 2 * faces + circles else 1.0, row[SIZE]
-    turn = sign * (atan2(y - row[PY], x - row[PX]) - row[ANGLE]) % (2.0 * pi)
+    turn = sign * (atan2(y - row[PY], x - row[PX]) - row[ANGLE])
+    if not 0.0 <= turn < 2.0 * pi:
+        turn %= 2.0 * pi
     span = row[LONG] / size
     if turn > span:
         turn = span if turn - span < 2.0 * pi - turn else 0.0

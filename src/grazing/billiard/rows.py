@@ -31,8 +31,9 @@ from grazing.kernel.elementary import sincos
 
 Floats = NDArray[np.float64]
 #: The head of a block: gravity along -y, how many faces, circles, sides of arcs and objects there are, the length of
-#: all places on solid objects, and how many flippers there are.
-GRAVITY, FACES, CIRCLES, SIDES, THINGS, LENGTH, FLIPPERS, HEAD = range(8)
+#: all places on solid objects, how many flippers there are, and of a ball without a radius how many faces may end on
+#: something else than the end of a face.
+GRAVITY, FACES, CIRCLES, SIDES, THINGS, LENGTH, FLIPPERS, FEET, HEAD = range(9)
 #: Of an object: addresses of its law, the slope of that and its parameters; 0 for a solid, 1 for a drain, 2 for a gate,
 #: whose law is the strategy.
 LAW, SLOPE, ROW, OPEN, THING = range(5)
@@ -48,6 +49,8 @@ SIGN, MX, MY, COSINE, BARE = 7, 8, 9, 10, 11
 WIDTH = 12
 #: Ends that differ by this share of their coordinates are one: those of arcs are rounded.
 SAME = 2.0**-50
+#: So near to a surface an end may be on it: far more than kernels hold for touching.
+NEAR = 2.0**-36
 
 
 def gravity_of(g: float, tilt: float) -> float:
@@ -159,10 +162,31 @@ class _Rows:
         self.place += places_of(row)
 
 
+def feet_of(surfaces: Surfaces, solid: NDArray[np.bool_]) -> int:
+    """Return how many faces of solids without a size may end on a surface, and not just where a face ends."""
+    walls = surfaces.faces[(surfaces.faces[:, SIZE] == 0.0) & solid[surfaces.faces[:, OWNER].astype(int)]]
+    long = walls[:, [LONG]]
+    found = np.zeros(len(walls), dtype=bool)
+    for ends in (walls[:, [PX, PY]], walls[:, [PX, PY]] + long * walls[:, [EX, EY]]):
+        for rows in (walls, surfaces.circles, surfaces.sides):
+            dx, dy = (ends[:, [k]] - rows[:, k] for k in (PX, PY))
+            sizes = abs(ends).sum(axis=1)[:, None] + abs(rows[:, [PX, PY]]).sum(axis=1) + rows[:, LONG] + long
+            if rows is walls:
+                off, foot = rows[:, EY] * dx - rows[:, EX] * dy, rows[:, EX] * dx + rows[:, EY] * dy
+                past = np.minimum(foot, rows[:, LONG] - foot)
+                on = (abs(off) <= NEAR * sizes) & (past >= -NEAR * sizes)
+                on &= (abs(off) > SAME * sizes) | (abs(past) > SAME * sizes)
+            else:
+                on = abs(np.hypot(dx, dy) - rows[:, SIZE]) <= NEAR * (sizes + rows[:, SIZE])
+            found |= on.any(axis=1)
+    return int(found.sum())
+
+
 def block_of(things: Sequence[Thing], surfaces: Surfaces, gravity: float, gates: int = 0) -> Floats:
     """Return a table as one block of numbers; where its laws lie is still to be written. The last things are gates."""
     head = [gravity, len(surfaces.faces), len(surfaces.circles), len(surfaces.sides), len(things), surfaces.length]
-    head.append(len(surfaces.flippers))
+    solid = np.array([one.kind != DRAIN for one in things])
+    head += [len(surfaces.flippers), feet_of(surfaces, solid)]
     kinds = [float(one.kind == DRAIN) if i < len(things) - gates else 2.0 for i, one in enumerate(things)]
     objects = [[0.0, 0.0, 0.0, kind] for kind in kinds]
     return np.concatenate([head, np.ravel(objects), *(rows.ravel() for rows in (*surfaces[:3], *surfaces[4:]))])

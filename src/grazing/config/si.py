@@ -393,9 +393,7 @@ def _one(value: Any, name: str, mass: float) -> float:
     if isinstance(plain, str) and any(letter.isdigit() for letter in plain):
         units = UNITS.get(last_of(name))
         units = parameter_units(name) if units is None else units
-        if units == "N/kg" and not plain.endswith("/kg"):
-            plain = magnitude(plain, "N", name) / mass
-        else:
-            plain = magnitude(plain, units, name)
+        of_mass = units == "N/kg" and not plain.endswith("/kg")
+        plain = magnitude(plain, "N", name) / mass if of_mass else magnitude(plain, units, name)
     found = values.number(plain, name)
     return SI[last_of(name)].check(found) if last_of(name) in SI else found

@@ -1,23 +1,28 @@
 """The module of the oscillator: its map, its flight, its discontinuity map and its reduction to the gap map.
 
-A reset law is a number in the row of parameters, so that one module does for all the laws that come with the package.
+Its wall may move, and a second one may be above the ball; the last two are of one wall at rest. A reset law is a number
+in the row of parameters, so that one module does for all the laws that come with the package.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import pi
 from typing import Any
 
 from grazing.explorer.composed import Module, arguments, common_entries, entries_of, orbits_entry
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import unpacker
+from grazing.kernel.primitives import unit
+from grazing.maps.derivative import deriving, plainly, stepping
 from grazing.maps.discontinuity import ORDERS, local_map_of, zero_time_of
+from grazing.maps.period import period_of, walled_period
 from grazing.maps.reduction import graze_search_of, has_steady_response, mu_factor, reduction_of, steady_low
 from grazing.maps.starting import paper_box, reach_box
-from grazing.maps.stroboscopic import step_of, tangent_of
 from grazing.oscillator.constants import HEAD, constants_of, section_phase
 from grazing.oscillator.flight import anchored, flight
-from grazing.oscillator.legs import END, LEG, PERIOD, START, V, Y, recorder_of
+from grazing.oscillator.frames import alone, frame_of, linked
+from grazing.oscillator.legs import END, HIT, LEG, PERIOD, SEEN, START, V, Y, recorder_of, walled_recorder_of
 from grazing.oscillator.parameters import describe_parameter
 from grazing.oscillator.reach import reach_of
 from grazing.oscillator.reset import (
@@ -29,6 +34,7 @@ from grazing.oscillator.reset import (
     triggered_contraction,
     triggered_law,
 )
+from grazing.oscillator.windows import series
 from grazing.parameter import Parameter, parameter_tuple
 
 #: Harmonics of the forcing that a row has; a model with fewer has zeros, and the same bits.
@@ -36,18 +42,63 @@ HARMONICS = 3
 #: The laws, each by its place here.
 LAWS = ("newton", "active", "triggered")
 NEWTON, ACTIVE = 0.0, 1.0
-NAN = float("nan")
+INFINITY, NAN = float("inf"), float("nan")
 
 
 WAVES = tuple(f"{name}{j}" for j in range(1, HARMONICS + 1) for name in ("cos", "sin"))
-#: The parameters in the order of a row: those of the flight, of all laws, the law, the phase of the section, the
-#: order of the discontinuity map, which the other kernels ignore, and whether starts are those of the paper's pinball.
-FIELDS = (*HEAD, *WAVES, "sigma", "r", "V", "trigger", "law", "phase", "order", "paper")
+#: Of the upper wall, and of the motion that walls have together.
+UPPER, MOTION = ("sigma_B", "r_B", "V_B", "trigger_B"), ("cos_A", "sin_A")
+#: The parameters in the order of a row: those of the flight, of all laws, of the upper wall, of the motion of walls,
+#: the law of both, the phase of the section, whether there is an upper wall, the order of the discontinuity map,
+#: which other kernels ignore, and whether starts are those of the paper's pinball.
+FIELDS = (*HEAD, *WAVES, "sigma", "r", "V", "trigger", *UPPER, *MOTION, "law", "phase", "two", "order", "paper")
 KIND = parameter_tuple(FIELDS)
 
 PHASE = FIELDS.index("phase")
 PREPARE = constants_of(HARMONICS, section_phase)
 UNPACK = unpacker(KIND)
+
+
+def still(p: Any) -> bool:
+    """Return whether there is one wall, at rest."""
+    return p.two == 0.0 and p.cos_A == 0.0 and p.sin_A == 0.0  # type: ignore[no-any-return]
+
+
+@unit
+def seen_from(p: Any, sign: float, sigma: float, r: float, V: float, trigger: float) -> Any:
+    """Return the parameters of the oscillator that a wall sees, see :meth:`grazing.oscillator.walled.Walled`."""
+    lift, drag = p.omega * p.omega - p.k * p.k, p.alpha * p.omega
+    cos, sin = p.cos1 + (lift * p.cos_A - drag * p.sin_A), p.sin1 + (lift * p.sin_A + drag * p.cos_A)
+    return KIND(
+        p.alpha, p.k, p.omega, p.t0, sign * p.offset + 0.0, sign * cos + 0.0, sign * sin + 0.0, sign * p.cos2 + 0.0,
+        sign * p.sin2 + 0.0, sign * p.cos3 + 0.0, sign * p.sin3 + 0.0, sign * sigma + 0.0, r, V, trigger, p.sigma_B,
+        p.r_B, p.V_B, p.trigger_B, p.cos_A, p.sin_A, p.law, p.phase, p.two, p.order, p.paper,
+    )  # fmt: skip
+
+
+@unit
+def lower(p: Any) -> Any:
+    """Return what the lower wall sees."""
+    return seen_from(p, 1.0, p.sigma, p.r, p.V, p.trigger)
+
+
+@unit
+def upper(p: Any) -> Any:
+    """Return what the upper wall sees."""
+    return seen_from(p, -1.0, p.sigma_B, p.r_B, p.V_B, p.trigger_B)
+
+
+@unit
+def walls_of(p: Any) -> Any:
+    """Return the frames of a row."""
+    if still(p):
+        return alone(PREPARE(p))
+    a = PREPARE(lower(p))
+    two, wave = p.two > 0.0, (p.cos_A, 0.0, 0.0, p.sin_A, 0.0, 0.0)
+    b = PREPARE(upper(p)) if two else a
+    high = p.sigma_B if two else p.sigma
+    room = p.sigma_B - p.sigma if two else INFINITY  # exactly: walls move together
+    return linked(a, b, (p.two, 1.0, room, p.sigma, *wave, high, *wave))
 
 
 def chosen_law(v: float, p: Any) -> float:
@@ -77,11 +128,33 @@ def box_of(p: Any) -> Any:
     return reach_box(p.sigma, height, speed)
 
 
+def walls_box(p: Any) -> Any:
+    """Return where random starts are drawn between walls, or at one that moves, see :mod:`grazing.maps.walled`."""
+    c = walls_of(p)
+    height, speed = seen_reach(c.a)
+    low, high, slow, fast = c.za, c.za + height, c.wa, c.wa
+    if c.two:
+        _height, other = seen_reach(c.b)
+        speed, high = max(speed, other), c.zb
+        slow, fast = min(slow, c.wb), max(fast, c.wb)
+    edge = 1e-3 * (high - low)
+    return (low + edge, high - edge), (slow - speed, fast + speed)
+
+
+def seen_reach(c: Any) -> Any:
+    """Return how far orbits go from a wall, and how fast."""
+    p = c.p
+    cos, sin = (p.cos1, p.cos2, p.cos3), (p.sin1, p.sin2, p.sin3)
+    V = 0.0 if p.law == NEWTON else p.V
+    height, speed, after = reach_of(p.alpha, p.k, p.omega, c.F0, cos, sin, p.sigma, p.r, V)
+    return height, min(speed, after) if p.two > 0.0 else speed
+
+
 def boxes(rows: Any, boxes: Any) -> None:
     """Write where random starts are drawn, (low, high) of u and of v for each row."""
     for q in range(rows.shape[0]):
         p = UNPACK(rows[q])
-        (u_low, u_high), (v_low, v_high) = box_of(p)
+        (u_low, u_high), (v_low, v_high) = box_of(p) if still(p) else walls_box(p)
         boxes[q, 0, 0], boxes[q, 0, 1], boxes[q, 1, 0], boxes[q, 1, 1] = u_low, u_high, v_low, v_high
 
 
@@ -95,19 +168,57 @@ def local_step(state: Any, c: Any) -> Any:
     return FULL(state, c) if c.p.order == 1.0 else CORRECTED(state, c)
 
 
+ONE, ONE_TANGENT = period_of(*LAW, False), period_of(*LAW, True)
+MORE, MORE_TANGENT = walled_period(LAW, LAW, False), walled_period(LAW, LAW, True)
+
+
+def period(state: Any, c: Any) -> Any:
+    """Take one period, as the map of the row's walls does."""
+    return ONE(state, c.a) if still(c.a.p) else MORE(state, c)
+
+
+def period_tangent(state: Any, c: Any) -> Any:
+    """Take one period, with its derivative."""
+    return ONE_TANGENT(state, c.a) if still(c.a.p) else MORE_TANGENT(state, c)
+
+
+RECORD, RECORD_WALLED = recorder_of(*LAW, PREPARE, KIND), walled_recorder_of(*LAW, walls_of, KIND)
+
+
+def legs(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
+    """Record the legs of a flight; ``state`` begins with u where walls move or are two, else with the height."""
+    if not still(UNPACK(row)):
+        return RECORD_WALLED(row, state, legs, until)
+    count = RECORD(row, state, legs, until, patience)
+    for k in range(count):
+        legs[k, SEEN], legs[k, HIT] = 0.0, 0.0
+    return count
+
+
 def sample(row: Any, legs: Any, times: Any, u: Any, v: Any) -> None:
     """Give the state at increasing times along the legs of a trajectory."""
-    c = PREPARE(UNPACK(row))
+    p = UNPACK(row)
+    walls = walls_of(p)
+    T = walls.a.T
     k = 0
     for j in range(times.shape[0]):
-        while k + 1 < legs.shape[0] and times[j] >= legs[k + 1, PERIOD] * c.T + legs[k + 1, START]:
+        while k + 1 < legs.shape[0] and times[j] >= legs[k + 1, PERIOD] * T + legs[k + 1, START]:
             k += 1
         leg = legs[k]
-        u[j], v[j] = c.sigma, 0.0
+        b = leg[SEEN] > 0.0
+        c, side = frame_of(b, walls), -1.0 if b else 1.0
+        s = min(max(times[j] - (leg[PERIOD] * T + leg[START]), 0.0), leg[END] - leg[START])
+        y, w = 0.0, 0.0
         if leg[LEG] == 0.0:
-            s = min(max(times[j] - (leg[PERIOD] * c.T + leg[START]), 0.0), leg[END] - leg[START])
             y, w = flight(s, anchored(leg[START], leg[Y], leg[V], c), c)
+        if still(p):
             u[j], v[j] = max(y, 0.0) + c.sigma, w
+            continue
+        at, speed = series(leg[START] + s, 0.0, (p.cos_A, 0.0, 0.0), (p.sin_A, 0.0, 0.0), c.omega, c.theta)
+        place = at + (p.sigma_B if b else p.sigma) + side * max(y, 0.0)
+        if p.two > 0.0:
+            place = max(min(place, at + p.sigma_B), at + p.sigma)
+        u[j], v[j] = place, speed + side * w
 
 
 def at_zero(row: Any) -> Any:
@@ -171,6 +282,15 @@ def described(name: str) -> Parameter | dict[str, Any]:
         return {"name": name, "meaning": "order of the discontinuity map", "choices": list(ORDERS)}
     if name == "paper":
         return {"name": name, "meaning": "whether starts are those of the paper's pinball", "choices": ["no", "yes"]}
+    if name == "two":
+        return {"name": name, "meaning": "whether there is a wall above the ball", "choices": ["no", "yes"]}
+    if name in MOTION:
+        word = "cosine" if name == "cos_A" else "sine"
+        return Parameter(name, f"{name[0]}_{{A}}", f"{word} amplitude of the motion of the walls")
+    if name in UPPER:
+        known = describe_parameter(name.removesuffix("_B"))
+        letter, _below, sub = known.symbol.partition("_")
+        return replace(known, name=name, symbol=f"{letter}_{{{sub}B}}", meaning=f"upper wall: {known.meaning}")
     return describe_parameter(name)
 
 
@@ -186,14 +306,15 @@ def entries() -> list[Entry]:
     which = Argument("which", "int64", (), "which of `fields` varies")
     return [
         *common_entries(boxes, fields, 2),
-        *entries_of(step_of(*LAW), tangent_of(*LAW), PREPARE, KIND, 2),
+        *entries_of(stepping(period), plainly(deriving(period_tangent)), walls_of, KIND, 2),
         orbits_entry(local_step, PREPARE, KIND, 2, "orbits_local", "iterate the discontinuity map"),
         Entry(
-            "legs", recorder_of(*LAW, PREPARE, KIND), ("capacity",),
+            "legs", legs, ("capacity",),
             (row, *arguments("""
-                state: float64[7]  periods, t, u - sigma, v, window, fastest, 0 at a strobe; moved on
-                legs: float64[capacity, 9]  period, t, u - sigma, v, t at the end, v before and after the impact \
-                    there, outcome, 1 for a rest
+                state: float64[8]  periods, t, u - sigma (u if walls move or are two), v, window, fastest, 0 at a \
+                    strobe, wall; moved on
+                legs: float64[capacity, 11]  period, t, height above the wall, v, t at the end, v before and after \
+                    the impact there, outcome, 1 for a rest, wall that sees it so, wall at its end
                 until: float64  time at which to stop, from the section on
                 patience: float64  chatter is followed down to this share of its first speed
             """)),
@@ -202,7 +323,7 @@ def entries() -> list[Entry]:
         Entry(
             "sample", sample, ("count", "samples"),
             (row, *arguments("""
-                legs: float64[count, 9]  from `legs`
+                legs: float64[count, 11]  from `legs`
                 times: float64[samples]  increasing, from the section on
                 u: float64[samples]  position at those times
                 v: float64[samples]  velocity at those times

@@ -61,6 +61,7 @@ class Words(Formula):
     """The origin of a gap map: its orbits are solved word by word."""
 
     finder = "grazing.orbits.gap_orbits:Words"
+    prover = "grazing.proof.gap:certify_gap_orbit"
     certified_as = "grazing.proof.same_model:of_gap_map"
 
     def orbits(self, word: str, params: Mapping[str, float]) -> Sequence[WordOrbit]:

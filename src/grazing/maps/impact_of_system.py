@@ -47,7 +47,7 @@ def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool, origin: flo
     derivative, saltation, product = derivative_of(flight, n), saltation_of(asked, n), product_of(n)
     flow, moment = flow_of(asked, n), moment_of(asked, n)
     first, m = (1, n + 1) if timed else (0, n)
-    zero, nothing = (0.0,) * n, (0.0,) * m
+    zero, nowhere = (0.0,) * n, (NAN,) * m  # an orbit that has ended does not begin anew at 0
     same, lost = tuple(float(i == j) for i in range(n) for j in range(n)), (NAN,) * (m * m)
 
     def back(A: Any, j: int, t: float, before: Any, after: Any, tau: float, x: Any, widths: Any, p: Any) -> Any:
@@ -91,17 +91,17 @@ def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool, origin: flo
             j, at, flags, _broken, _rate, _away, before, after = contact(begin, x, end, left, p)
             outcome |= flags
             if flags & FATAL:
-                return nothing, 0, outcome, lost
+                return nowhere, 0, outcome, lost
             if with_tangent:
                 A = product(derivative(at, begin, x, widths, p), A)
             if j >= 0:
                 break
             x, begin, left, strobes = after, 0.0, -1.0, strobes + 1
         if j < 0:
-            return nothing, strobes, outcome | NO_IMPACT, lost
+            return nowhere, strobes, outcome | NO_IMPACT, lost
         if with_tangent and not outcome & (GRAZE | AMBIGUOUS):
             J = back(A, j, at, before, after, tau, start, widths, p)
-        found, letter = nothing, j
+        found, letter = nowhere, j
         if timed:
             if at >= T:
                 at, strobes = 0.0, strobes + 1

@@ -34,7 +34,7 @@ class Origin(ByValue):
         ``replace(params) -> Map``: the map at other parameter values, from a system that checks their ranges.
     block : callable, optional
         A faster twin of many steps, ``block(kind, rows, lanes, transient, found, arithmetic, block) -> tasks`` as in
-        :func:`grazing.maps.ensemble.ensemble_tasks`; :func:`grazing.testing.check_map` holds it to the step.
+        :func:`grazing.maps.blocks.ensemble_tasks`; :func:`grazing.testing.check_map` holds it to the step.
     derivative : callable, optional
         ``derivative(rows, arithmetic="strict") -> Derived``: the derivative of the step with the reset law or the
         system by address, so that it is compiled once for all of them.
@@ -91,6 +91,8 @@ class Origin(ByValue):
     stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
     asks: str = "the reset law"
+    #: What proves orbits of the map, ``module:function``; that of an oscillator refuses all others.
+    prover: ClassVar[str] = "grazing.proof.certify:certify_impacts"
 
     @property
     def finder(self) -> str:

@@ -56,8 +56,9 @@ def ending(step: Callable[..., Any], escape: float) -> Callable[..., Any]:
 
     def ending(state: Any, c: Any) -> Any:
         new, letter, outcome = step(state, c)
+        ended = outcome & FATAL
         for x in new:
-            if abs(x) > escape or not abs(x) < INFINITY:
+            if not ended and (abs(x) > escape or not abs(x) < INFINITY):
                 outcome = outcome | DIVERGED
         if outcome & FATAL:
             for i in range(len(new)):

@@ -19,8 +19,9 @@ if TYPE_CHECKING:
 FORMULA, BLOCK, FLIGHT = 6_000_000, 200_000, 40_000
 #: Sizes of the box beyond which an orbit that still grows has diverged, and the fewest points that show that it grows.
 FAR_AWAY, LEAST = 1e4, 6
-#: How much farther all of the last third of an orbit is than the first where the box says nothing of where orbits go.
-FARTHER = 1.1
+#: How much farther all of the last third of an orbit is than the first where the box says nothing of where orbits go;
+#: and by how much growth may differ, in logarithms, from third to third and from the nearest points to the farthest.
+FARTHER, EVEN = 1.1, 1.25
 
 Floats = NDArray[np.float64]
 
@@ -81,14 +82,14 @@ def let_go(P: Map, found: Columns) -> Columns:
 
     These are farther away than so many sizes of the map's box, and get farther with every third of what is kept; those
     of an oscillator from impact to impact. The box of another map may be far from where its orbits go: there all of the
-    last third is farther than all of the first, and growth does not slow down. The numbers would take thousands of
-    steps more to overflow.
+    last third is farther than all of the first, and growth does not slow down; or, on an orbit that is by turns near
+    and far, its nearest and its farthest points grow alike. The numbers would take thousands of steps more to overflow.
     """
     keep = found.points.shape[1]
     if keep < LEAST:
         return found
     size = np.array([high - low for low, high in P.box])[:, None]
-    with np.errstate(invalid="ignore", over="ignore"):
+    with np.errstate(invalid="ignore", over="ignore", divide="ignore"):
         parts = np.array_split(found.points, 3, axis=1)
         late = (np.abs(parts[2]) / size).max(axis=2)
         last = late.max(axis=1)
@@ -99,10 +100,33 @@ def let_go(P: Map, found: Columns) -> Columns:
         if P.origin.sized:  # a ball that nothing brings back is another matter
             gone &= (np.array_split(found.letters, 3, axis=1)[2] != 0).any(axis=1)
         else:
-            gone &= (late.min(axis=1) > FARTHER * first) & (last - second > second - first)
+            steady = (late.min(axis=1) > FARTHER * first) & (last - second > second - first)
+            gone &= steady | grows_evenly(np.abs(found.points) / size)
     if not gone.any():
         return found
     points, outcomes = found.points.copy(), found.outcomes.copy()
     points[np.broadcast_to(gone[:, None, None], points.shape)] = np.nan
     outcomes[:, -1][gone] |= DIVERGED
     return found._replace(points=points, outcomes=outcomes)
+
+
+def grows_evenly(sizes: Floats) -> NDArray[np.bool_]:
+    """Return whether the greatest coordinates of orbits, sizes (columns, keep, dim, starts), grow by equal factors.
+
+    From third to third, of an even number of points each: so do the farthest points of an orbit that alternates, and
+    the nearest.
+
+    Examples
+    --------
+    >>> import numpy as np
+    >>> from grazing.maps.pieces import grows_evenly
+    >>> n = np.arange(12.0)
+    >>> by_turns, tent = np.where(n % 2 == 0, 9.0, 1.0) * 1.1**n, np.tile([1.0, 2.0, 3.0, 4.0], 3)
+    >>> grows_evenly(np.array([by_turns, tent])[:, :, None, None]).ravel().tolist()
+    [True, False]
+    """
+    many = 2 * (sizes.shape[1] // 6)
+    thirds = np.log(sizes[:, -3 * many :].max(axis=2)).reshape(len(sizes), 3, many, -1)
+    growth = np.concatenate([np.diff(thirds.max(axis=2), axis=1), np.diff(thirds.min(axis=2), axis=1)], axis=1)
+    least = growth.min(axis=1)
+    return np.asarray((least > 0.5 * np.log(FARTHER)) & (growth.max(axis=1) < EVEN * least))

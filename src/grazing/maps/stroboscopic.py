@@ -9,9 +9,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.blocks import ensemble_tasks
 from grazing.maps.columns import Columns
 from grazing.maps.derivative import deriving, plainly, stepping
-from grazing.maps.ensemble import ensemble_tasks
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
 from grazing.maps.of_system import map_of_system
@@ -69,7 +69,7 @@ class Strobed(OfOscillator):
     def block(
         self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
     ) -> list[Task]:
-        """Return tasks that fly many orbits as blocks, see :func:`grazing.maps.ensemble.ensemble_tasks`."""
+        """Return tasks that fly many orbits as blocks, see :func:`grazing.maps.blocks.ensemble_tasks`."""
         model = self.model
         return ensemble_tasks(model.harmonics, model.reset, kind, rows, lanes, transient, found, arithmetic, block)
 

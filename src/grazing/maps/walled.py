@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import lru_cache, partial
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.primitives import unit
+from grazing.maps.blocks import block_tasks
 from grazing.maps.columns import Columns
 from grazing.maps.derivative import Derived, deriving, stepping
-from grazing.maps.ensemble import Setting, block_tasks
+from grazing.maps.ensemble import Setting
 from grazing.maps.hits import CHATTER, LAY, MANY, MOST, Hits
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfWalls, apart
-from grazing.maps.period import MAX_IMPACTS, log_size, periods_passed, product, saltation
+from grazing.maps.period import MAX_IMPACTS, periods_passed, walled_period
 from grazing.maps.settle import Settled, said_in_flight
 from grazing.oscillator.between import impacts_between_of
 from grazing.oscillator.constants import refuse_to_compile
-from grazing.oscillator.contact import MAX_SWINGS
-from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.facing import fill_frames
-from grazing.oscillator.flight import modes
 from grazing.oscillator.frames import (
     Frames,
-    first_contact,
-    frame_of,
     frames_kind,
     frames_of,
     frames_rows,
-    inside_wall,
     plain_frames,
-    seen_at_strobe,
-    seen_from_strobe,
     walls_at_strobe,
 )  # fmt: skip
 from grazing.oscillator.impacts import impacts_of
@@ -43,111 +35,12 @@ from grazing.oscillator.legs import flown_legs
 from grazing.oscillator.pointed import POINTED, law_kind, strike_address
 from grazing.oscillator.walled import Walled
 from grazing.outcome import (
-    AMBIGUOUS,
-    BAD_LAW,
-    DIVERGED,
-    GRAZE,
-    INSIDE_WALL,
-    OK,
-    TOO_MANY_IMPACTS,
-    TOO_MANY_SWINGS,
-)
-from grazing.outcome import (
     CHATTER as CHATTERED,
 )
 from grazing.pool import Task
 
-INFINITY = float("inf")
-NAN = float("nan")
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-Law = tuple[Callable[..., float], Callable[..., float], Callable[..., Any]]
-
-
-@lru_cache(maxsize=256)
-def walled_of(first: Law, second: Law, with_tangent: bool) -> Callable[..., Any]:
-    """Return ``period(state, c) -> (state, letter, outcome, J, near, slow)``: one period (0, T] between walls.
-
-    As :func:`grazing.maps.period.period_of` for one wall, whose letters it has where there is one wall only.
-
-    Parameters
-    ----------
-    first, second : tuple of callable
-        ``law``, ``slope`` and ``contraction`` of the first wall and of the second.
-    with_tangent : bool
-    """
-    departs, departs_b = departure_of(*first), departure_of(*second)
-    slope, slope_b = first[1], second[1]
-
-    @unit
-    def period(state: Any, c: Any) -> Any:
-        u, v = state
-        J, area, lost = (1.0, 0.0, 0.0, 1.0), 0.0, (NAN, NAN, NAN, NAN, NAN)
-        T = c.a.T
-        inside = inside_wall(u, c)
-        if inside or not abs(u) < INFINITY or not abs(v) < INFINITY:
-            return (NAN, NAN), 0, (INSIDE_WALL if inside else OK), lost, INFINITY, INFINITY
-        if T > MAX_SWINGS * c.a.piece:
-            return (NAN, NAN), 0, TOO_MANY_SWINGS, lost, INFINITY, INFINITY
-        b, ball = seen_from_strobe(u, v, c)
-        impacts, outcome, near, slow = 0, OK, INFINITY, INFINITY
-        contact = ball.y == 0.0 and ball.v <= 0.0
-        smooth, letter, special, lay = True, 0, 0, False
-        while True:
-            if contact:
-                arrived, here = ball.v, frame_of(b, c)
-                if b:
-                    kind, ball, flags = departs_b(ball, c.patience, here)
-                else:
-                    kind, ball, flags = departs(ball, c.patience, here)
-                outcome |= flags
-                if flags & (BAD_LAW | DIVERGED):
-                    return (NAN, NAN), impacts, outcome, lost, near, slow
-                if flags & CHATTERED:
-                    special = CHATTER - (2 if b else 0)
-                if arrived < 0.0 or ball.v > 0.0:
-                    impacts += 1
-                    letter = 3 * letter + (2 if b else 1) if impacts <= MOST else letter
-                    slow = min(slow, -arrived)
-                if with_tangent:
-                    if kind != FLIES:
-                        J, area = (0.0, 0.0, 0.0, 0.0), -INFINITY
-                    elif arrived < 0.0:
-                        steep = slope_b(arrived, here.p) if b else slope(arrived, here.p)
-                        J = product(saltation(ball.t, arrived, ball.v, steep, here), J)
-                        area += log_size(steep * ball.v / arrived)
-                    else:  # a touch, or a kick from rest: nearby orbits do something else
-                        smooth = False
-                if kind == LIES:
-                    lay = impacts == 0
-                    break
-                if impacts > MAX_IMPACTS:
-                    return (NAN, NAN), impacts, outcome | TOO_MANY_IMPACTS, lost, near, slow
-                if ball.t >= T:
-                    break
-            left = ball.t
-            contact, b, ball, flags, low = first_contact(ball, b, c)
-            near = min(near, low)
-            outcome |= flags
-            if with_tangent:
-                J = product(modes(ball.t - left, c.a), J)
-                area -= c.a.alpha * (ball.t - left)
-            if not contact:
-                break
-        whole = (J[0], J[1], J[2], J[3], area)
-        if with_tangent and (not smooth or outcome & (GRAZE | AMBIGUOUS)):
-            whole = lost
-        if not c.two:
-            letter = impacts
-        elif impacts > MOST:
-            letter = MANY
-        if special != 0:
-            letter = special
-        elif lay:
-            letter = LAY - (2 if b else 0)
-        return seen_at_strobe(ball, b, c), letter, outcome, whole, near, slow
-
-    return period
 
 
 def no_table(t: Any, s: Any, x: Any, c: Frames, blocks: int) -> bool:
@@ -171,7 +64,7 @@ def between_walls(harmonics: int, walls: int) -> Setting:
     fill, impacts = no_table, no_impacts
     if walls > 0:
         fill, impacts = fill_frames, impacts_between_of(harmonics) if walls > 1 else impacts_of(harmonics)
-    period = walled_of(POINTED, POINTED, False)
+    period = walled_period(POINTED, POINTED, False)
     return Setting(max(walls, 1), frames_kind(harmonics), frames_of(harmonics), period, fill, impacts)
 
 
@@ -199,12 +92,12 @@ class Strobed(OfWalls):
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the step with the laws by address: compiled once for all."""
-        return self._derived(deriving(walled_of(POINTED, POINTED, True)), rows, arithmetic)
+        return self._derived(deriving(walled_period(POINTED, POINTED, True)), rows, arithmetic)
 
     def block(
         self, kind: type, rows: Floats, lanes: Floats, transient: int, found: Columns, arithmetic: str, block: bool
     ) -> list[Task]:
-        """Return tasks as :func:`grazing.maps.ensemble.ensemble_tasks` does."""
+        """Return tasks as :func:`grazing.maps.blocks.ensemble_tasks` does."""
         model = self.rig
         numbers, source = frames_rows(model, np.ascontiguousarray(rows), arithmetic)
         laws = [one.law for one in model.walls]
@@ -256,13 +149,13 @@ def walled_map(model: Walled, phase: float) -> Map:
     laws = [(wall.law.law, wall.law.slope, wall.law.contraction) for wall in model.walls]
     params = {**model.params, "phase": phase}
     return Map(
-        stepping(walled_of(laws[0], laws[-1], False)),
+        stepping(walled_period(laws[0], laws[-1], False)),
         params=params,
         coordinates=("u", "v"),
         box=box_of(model, list(params.values())),
         letters=Hits(model.names) if len(model.walls) > 1 else None,
         prepare=partial(_plain, model),
-        tangent=deriving(walled_of(laws[0], laws[-1], True)),
+        tangent=deriving(walled_period(laws[0], laws[-1], True)),
         name="stroboscopic map",
         origin=Strobed(model),
     )

@@ -63,6 +63,11 @@ class BounceOrbit(Orbit):
         return "grazing.orbits.bounce_equations:equations_of_bounces"
 
     @property
+    def proven_by(self) -> str:
+        """What proves that it exists, in the places of its impacts and the times between them."""
+        return "grazing.proof.certify:certify_bounces"
+
+    @property
     def time(self) -> float:
         """How long one turn takes."""
         return float(self.durations.sum())

@@ -13,7 +13,7 @@ from grazing.copies import ByValue
 from grazing.maps.map import Map
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.corrector import closed
-from grazing.orbits.equations import Equations, Stretch
+from grazing.orbits.equations import Equations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Relabelling, Special
@@ -212,10 +212,6 @@ def followed(
         seeds = switched(orbit, name, (low, high))
     elif isinstance(orbit, Orbit):
         equations, x, value = own_equations(P, orbit, name, (low, high))
-        known = equations.stretch(value, (low, high))
-        if known is not None:
-            work.spend(len(known.orbits))
-            return known_branch(P, name, (low, high), equations, known)
         seeds = [begun(equations, x, value, orbit, name)]
     else:
         raise InputError(f"orbit is {shown(orbit)}; give an Orbit, or a special point of a branch")
@@ -224,22 +220,6 @@ def followed(
         search.advance()
     found = tuple(search.pieces), tuple(search.special), tuple(search.relabellings)
     return Branch(P, name, (low, high), *found, len(search.waiting))
-
-
-def known_branch(P: Map, name: str, bounds: tuple[float, float], equations: Equations, known: Stretch) -> Branch:
-    """Return the branch of an orbit that is known without following, as one that rests, with what is at its ends."""
-    special: list[Special] = []
-    events: list[int] = []
-    for onset, place in zip(known.onsets, (0, len(known.values) - 1), strict=True):
-        if onset is not None:
-            low, high = sorted((onset.inside, onset.outside))
-            special.append(Special("ch", onset.inside, low, high, onset.surely, known.orbits[place], True, -1, 0))
-            events.append(place)
-    begins, ends = (onset.reason if onset is not None else "bounds" for onset in known.onsets)
-    unknowns = np.zeros((len(known.values), 1))
-    types = tuple(one.type for one in special)
-    piece = Piece(equations, unknowns, known.values, known.orbits, tuple(events), types, (begins, ends))
-    return Branch(P, name, bounds, (piece,), tuple(special), ())
 
 
 def checked_step(step: Any) -> float:

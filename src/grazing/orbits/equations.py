@@ -71,26 +71,6 @@ class Across(NamedTuple):
     smooth: bool
 
 
-class Onset(NamedTuple):
-    """Where an orbit is of its kind no longer: the last value at which it is, the first at which it is not, the reason.
-
-    ``surely`` says whether what ends it is zero there.
-    """
-
-    inside: float
-    outside: float
-    surely: bool
-    reason: str
-
-
-class Stretch(NamedTuple):
-    """The orbits along a parameter where all are known, and what is at either end, or None."""
-
-    values: Floats
-    orbits: tuple[Orbit, ...]
-    onsets: tuple[Onset | None, Onset | None]
-
-
 class Equations(ABC):
     """Equations F(x, p) = 0 of an orbit, with as many unknowns x as equations, and parameters p by name.
 
@@ -100,6 +80,8 @@ class Equations(ABC):
     """
 
     pieced = False
+    #: How often the way between two neighbouring points of a piece is looked at.
+    looks = 16
     #: What begins other branches at a graze or at a border, see :func:`grazing.orbits.switching.partners`.
     others = "grazing.orbits.switching:flipped"
     #: Whether a solution with a multiplier 1 is one of a continuum, as it is of linear equations.
@@ -195,10 +177,6 @@ class Equations(ABC):
     def ending(self, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
         """Say what is met from a solution in a direction, in which there is no other one farther than ``gap``."""
         return Ending("", -1, 0.0)
-
-    def stretch(self, value: float, bounds: tuple[float, float]) -> Stretch | None:
-        """Return the orbits within a range of the parameter, where all are known without following; else None."""
-        return None
 
     def evaluated(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
         """Return :meth:`defects` at several points, x (k, n) and p (k, names): shapes (k, n) and (k, n, n)."""

@@ -74,6 +74,11 @@ class Orbit(ByValue):
         return self.map.origin.equations
 
     @property
+    def proven_by(self) -> str:
+        """What proves that it exists, ``module:function``, see :func:`grazing.certify`."""
+        return self.map.origin.prover
+
+    @property
     def stable(self) -> bool:
         """Whether nearby orbits come back to it: every multiplier is surely inside the unit circle."""
         return bool((np.abs(self.multipliers) < 1.0 - max(ROUNDING, self.doubt)).all())

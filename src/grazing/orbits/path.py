@@ -39,8 +39,6 @@ FARTHER = 256.0
 NARROW = 1e-12
 #: Largest defect on the way from one point to the next, in units of its length, beyond which the map has jumped.
 ASTRAY = 0.05
-#: How often the way between two neighbouring points is looked at.
-LOOKS = 16
 
 
 @dataclass(eq=False)
@@ -217,7 +215,7 @@ def over(equations: Equations, here: Point, there: Point | None, h: float) -> bo
 
 def strays(equations: Equations, a: Point, b: Point) -> bool:
     """Whether the path leaves its piece of the map between two neighbouring points, as far as looks can tell."""
-    t = np.arange(1.0, LOOKS)[:, None] / LOOKS
+    t = np.arange(1.0, equations.looks)[:, None] / equations.looks
     length = float(np.linalg.norm(b.z - a.z))
     bow = t * (1.0 - t) * ((1.0 - t) * (length * a.tangent - b.z + a.z) + t * (b.z - a.z - length * b.tangent))
     z, n = a.z + t * (b.z - a.z) + bow, len(equations.scale)
@@ -262,7 +260,7 @@ def straight(equations: Equations, here: Point, h: float) -> float:
     """Return how far the tangent lies where the equations hold, to a part of itself; h if all the way."""
     low, high = 0.0, h
     while high - low > 0.25 * (1.0 - SHORT) * high:
-        t = low + (high - low) * np.arange(1.0, LOOKS + 1.0) / LOOKS
+        t = low + (high - low) * np.arange(1.0, equations.looks + 1.0) / equations.looks
         good = on_piece(equations, here.z + t[:, None] * here.tangent)
         if good.all():
             return high

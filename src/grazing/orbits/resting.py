@@ -19,7 +19,7 @@ from grazing.kernel.primitives import called
 from grazing.maps.map import Map
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.contacts import PIECES, addresses, framer, model_of, on_wall
-from grazing.orbits.equations import Onset, Stretch, Test
+from grazing.orbits.equations import Ending, Test
 from grazing.orbits.flight_equations import FlightEquations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.word import word
@@ -40,8 +40,8 @@ IMPACTS, PERIODS = 10_000, 64
 STAGES, ROUNDING = 8, 1e-9
 #: Part of a period that accumulation and release may be apart at an onset of chatter.
 MET = 1e-3
-#: Parts into which a range is cut to look for the onset of chatter.
-PARTS = 100
+#: Bracket of an end, in units of the range, where rest has been left.
+UNSURE = 1e-9
 
 
 class Rest(NamedTuple):
@@ -103,12 +103,18 @@ def settler(harmonics: int, walled: bool) -> Callable[..., None]:
 
 
 class RestEquations(FlightEquations):
-    """The one equation of an orbit that rests: its unknown is the time of accumulation, which the release decides."""
+    """The equations of an orbit that rests: none, for the release decides all; the one unknown is 0.
+
+    They hold as far as the impacts accumulate before that release.
+    """
+
+    pieced = True
+    looks = 4  # flights to rest are long
 
     def __init__(self, model: Rig, names: tuple[str, ...], release: int, spans: Any = None) -> None:
         super().__init__(model, names, spans)
         self.release = release
-        self.scale = np.array([model.period])
+        self.scale = np.ones(1)
         found = self.rest(self.own)
         self.N = 0 if found is None else round((found.next - found.release) / model.period)
 
@@ -147,27 +153,35 @@ class RestEquations(FlightEquations):
         return None
 
     def defects(self, x: Floats, p: Floats) -> tuple[Floats, Floats]:
-        """Return by how much the time of accumulation differs."""
-        found = self.rest(p)
-        return np.array([np.nan if found is None else found.accumulation - x[0]]), np.array([[-1.0]])
+        """Return the unknown itself."""
+        return x.copy(), np.ones((1, 1))
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
-        """Return how long the ball rests before its release."""
+        """Return nothing: until it ends nothing happens to an orbit whose multipliers are 0."""
+        return ()
+
+    def holds(self, x: Floats, p: Floats, defect: float = np.inf) -> NDArray[np.bool_]:
+        """Whether the ball comes to rest before the same release at each of several points."""
+        return np.array([not self.broken(*one) for one in zip(x, p, strict=True)])
+
+    def reach(self, x: Floats, p: Floats, dx: Floats, dp: Floats) -> float:
+        """Return whether the ball rests at the end of a step: 1 or 0."""
+        return 0.0 if self.broken(x, p + dp) else 1.0
+
+    def ending(self, x: Floats, p: Floats, dx: Floats, dp: Floats, gap: float) -> Ending:
+        """Say that chatter is complete no longer; it surely is so if there is no rest left before the release."""
         found = self.rest(p)
-        return (Test("ch", float("nan") if found is None else found.left),)
+        surely = found is not None and found.left < MET * self.model.period
+        return Ending("ch", -1, 0.0 if surely else UNSURE)
 
     def broken(self, x: Floats, p: Floats) -> str:
         """Say whether the ball comes to rest no longer, or is released elsewhere."""
         found = self.rest(p)
         if found is None:
             return "the impacts do not accumulate before the release"
-        if round((found.next - found.release) / self.model_at(p).period) != self.N:
+        if round((found.next - found.release) / self.period_at(p)) != self.N:
             return "the ball comes to rest in another period"
         return ""
-
-    def stretch(self, value: float, bounds: tuple[float, float]) -> Stretch:
-        """Return the orbits as far as the ball rests, with the onset of chatter at the ends."""
-        return stretch(self, value, bounds)
 
     def orbit(self, x: Floats, p: Floats) -> Orbit:
         """Return the orbit as the stroboscopic map sees it; its multipliers are 0."""
@@ -227,41 +241,3 @@ def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any
         "the orbit rests on a wall and is not released where it was released before: it cannot be followed; "
         "scan the parameter with gz.orbit_diagram"
     )
-
-
-def stretch(equations: RestEquations, value: float, bounds: tuple[float, float]) -> Stretch:
-    """Follow an orbit that rests from one value of the parameter to both ends of a range, or of its existence."""
-    step = (bounds[1] - bounds[0]) / PARTS
-    nothing = np.zeros(1)
-    values, onsets = [value], []
-    for bound, sign in ((bounds[0], -1.0), (bounds[1], 1.0)):
-        onset, here = None, value
-        while here != bound and onset is None:
-            there = here + sign * step
-            there = bound if (bound - there) * sign <= 0.0 else there
-            if equations.broken(nothing, np.array([there])):
-                onset = bisected(equations, here, there, 1e-15 * (bounds[1] - bounds[0]))
-                there = onset.inside
-            here = there
-            values.append(here)
-        onsets.append(onset)
-    ordered = np.unique(values)
-    orbits = tuple(equations.orbit(nothing, np.array([v])) for v in ordered)
-    return Stretch(ordered, orbits, (onsets[0], onsets[1]))
-
-
-def bisected(equations: RestEquations, inside: float, outside: float, width: float) -> Onset:
-    """Return the onset between a value at which the orbit rests and one at which it does not."""
-    nothing = np.zeros(1)
-    while abs(outside - inside) > width:
-        middle = 0.5 * (inside + outside)
-        if middle in (inside, outside):
-            break
-        if equations.broken(nothing, np.array([middle])):
-            outside = middle
-        else:
-            inside = middle
-    found = equations.rest(np.array([inside]))
-    assert found is not None
-    surely = found.left < MET * equations.model.period
-    return Onset(inside, outside, surely, equations.broken(nothing, np.array([outside])))

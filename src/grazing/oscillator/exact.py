@@ -17,6 +17,7 @@ import numpy as np
 from grazing.oscillator.exact_contact import Rule
 from grazing.oscillator.exact_flight import Flight, next_impact, rounded
 from grazing.oscillator.exact_motion import Motion, windows_of
+from grazing.oscillator.frames import walls_at_strobe
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.sure import Beyond, Undecided, rational, sign
 from grazing.outcome import BAD_LAW, CHATTER, OK
@@ -188,9 +189,11 @@ def followed(model: Rig, phase: float, u: float, v: float) -> Period:
                 slow = min(slow, float(-arrived))
             rest = j if flags & CHATTER else rest
             if i == len(frames[j].windows):
-                lay = not walls
-                state = frames[j].shown(T, 0 * t, 0 * t)
-                return Period(state, tuple(walls), lay, outcome, near, slow, j if lay else rest)
+                lay = not walls  # to the bit where the next step has the wall, which so finds the ball at rest
+                place = (frames[j].sigma, 0.0)
+                if frames[j].wave:
+                    place = walls_at_strobe(model, np.array([*model.params.values(), phase]))[j]
+                return Period(place, tuple(walls), lay, outcome, near, slow, j if lay else rest)
         found, j, low, flight = first_of(frames, j, i, t, y, speed)
         near = min(near, low)
         if found is None:

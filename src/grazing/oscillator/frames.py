@@ -131,6 +131,17 @@ def seen_from_strobe(u: float, v: float, c: Frames) -> tuple[bool, Ball]:
     return False, Ball(0.0, y, c.side * (v - c.wa), 0, c.unsure if y != 0.0 else 0.0, c.unsure_w, NO_LAUNCH)
 
 
+def rest_in_doubt(u: float, v: float, c: Frames) -> bool:
+    """Return whether a state at the strobe may be that of a ball at rest on a moving wall, or beside it.
+
+    The wall's place and velocity are then nearer than their rounding; a ball that has them to the bit lies on the wall.
+    """
+    y, w = c.side * (u - c.za), v - c.wa
+    if c.two and c.zb - u < y:
+        y, w = c.zb - u, v - c.wb
+    return abs(y) <= c.unsure and abs(w) <= c.unsure_w and not (y == 0.0 and w == 0.0)
+
+
 def seen_at_strobe(ball: Ball, b: bool, c: Frames) -> tuple[float, float]:
     """Return the state at the end of a period of the ball that a wall sees."""
     if b:

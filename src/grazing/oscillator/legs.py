@@ -12,15 +12,17 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.oscillator.constants import constants_of, section_phase
-from grazing.oscillator.contact import next_contact, placed
+from grazing.oscillator.contact import placed
 from grazing.oscillator.departure import FLIES, departure_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.frames import (
+    alone,
     first_contact,
     frame_of,
     frames_kind,
     frames_of,
     frames_rows,
+    rest_in_doubt,
     seen_at_strobe,
     seen_from_strobe,
 )  # fmt: skip
@@ -28,7 +30,7 @@ from grazing.oscillator.model import Oscillator
 from grazing.oscillator.pointed import POINTED, flight_kind, pointed_model
 from grazing.oscillator.reset import in_python
 from grazing.oscillator.rig import Rig
-from grazing.outcome import BAD_LAW, DIVERGED, InputError, UserCodeError, defined
+from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, OK, InputError, UserCodeError, defined
 from grazing.parameter import parameters
 
 Floats = NDArray[np.float64]
@@ -40,6 +42,11 @@ CAPACITY = 4096
 MAX_IMPACTS = 200_000
 # columns of a leg; the last two say which wall sees it, and which it ends at
 PERIOD, START, Y, V, END, V_MINUS, V_PLUS, FLAGS, LEG, SEEN, HIT = range(11)
+
+
+def numbered(b: bool) -> float:
+    """Return the number of a wall: 1 for the second."""
+    return 1.0 if b else 0.0
 
 
 @lru_cache(maxsize=64)
@@ -56,86 +63,65 @@ def recorder_of(
     A leg is a flight or a rest from (period, t, y, v) to t_end; v_minus and v_plus are NaN where it ends without an
     impact. As in the stroboscopic map, the state at each strobe is the one that the next decisions are right for.
     """
-    departure = departure_of(law, slope, contraction)
-    unpack = unpacker(kind)
-
-    def record(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
-        c = prepare(unpack(row))
-        n, fastest, grounded = int(state[0]), state[5], state[6] == 0.0
-        ball = placed(state[1], state[2], state[3], int(state[4]))
-        count = 0
-        while count + 2 < legs.shape[0] and n * c.T + ball.t < until:
-            leg = legs[count]
-            leg[0], leg[1], leg[2], leg[3] = n, ball.t, ball.y, ball.v
-            leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
-            count += 1
-            hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
-            if not hit:
-                hit, ball, flags, _near = next_contact(ball, c)
-            leg[4] = ball.t
-            if hit:
-                arrived = ball.v
-                how, ball, said = departure(ball, patience * fastest, c)
-                flags |= said
-                if arrived < 0.0 or ball.v > 0.0:
-                    leg[5], leg[6] = arrived, ball.v
-                fastest = max(fastest, ball.v) if how == FLIES else 0.0
-                if said & (BAD_LAW | DIVERGED):
-                    leg[7], leg[8] = flags, (ball.v if said & BAD_LAW else 0.0)
-                    break
-                if how != FLIES:
-                    rest = legs[count]
-                    rest[0], rest[1], rest[2], rest[3], rest[4] = n, leg[4], 0.0, 0.0, ball.t
-                    rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
-                    count += 1
-            leg[7] = flags
-            grounded = ball.t >= c.T  # only at a strobe can the ball be on the wall with its contact still to come
-            if grounded:
-                n, fastest = n + 1, 0.0
-                ball = placed(0.0, ball.y, ball.v, 0)
-        state[0], state[1], state[2], state[3], state[4] = n, ball.t, ball.y, ball.v, ball.i
-        state[5], state[6] = fastest, 0.0 if grounded else 1.0
-        return count
-
-    return compiled(record)
+    return compiled(_recorder_of(departure_of(law, slope, contraction), prepare, kind, True))
 
 
-def numbered(b: bool) -> float:
-    """Return the number of a wall: 1 for the second."""
-    return 1.0 if b else 0.0
+def walled_recorder(harmonics: int) -> Callable[..., int]:
+    """Compile :func:`walled_recorder_of` for laws by address."""
+    return walled_recorder_of(*POINTED, frames_of(harmonics), frames_kind(harmonics))
 
 
 @lru_cache(maxsize=64)
-def walled_recorder(harmonics: int) -> Callable[..., int]:
+def walled_recorder_of(
+    law: Callable[..., float],
+    slope: Callable[..., float],
+    contraction: Callable[..., Any],
+    prepare: Callable[..., Any],
+    kind: type,
+) -> Callable[..., int]:
     """Compile ``record(row, state, legs, until)``: fill legs until a time or the table's end.
 
     ``state`` holds (periods, t, u or y, v, window, fastest, in the air, wall): at a strobe the state (u, v), else the
     ball as a wall sees it. It is moved along, so the call can be repeated.
     """
-    departure, prepare = departure_of(*POINTED), frames_of(harmonics)
-    unpack = unpacker(frames_kind(harmonics))
+    between = _recorder_of(departure_of(law, slope, contraction), prepare, kind, False)
 
     def record(row: Any, state: Any, legs: Any, until: float) -> int:
-        c = prepare(unpack(row))
+        return between(row, state, legs, until, PATIENCE)
+
+    return compiled(record)
+
+
+def _recorder_of(
+    departure: Callable[..., Any], prepare: Callable[..., Any], kind: type, still: bool
+) -> Callable[..., int]:
+    """Return the recorder; ``still`` is for one wall at rest below the ball, whose frames are ``alone``."""
+    unpack = unpacker(kind)
+
+    def record(row: Any, state: Any, legs: Any, until: float, patience: float) -> int:
+        c = alone(prepare(unpack(row))) if still else prepare(unpack(row))
         n, fastest, grounded = int(state[0]), state[5], state[6] == 0.0
-        if grounded:
+        if grounded and not still:
             b, ball = seen_from_strobe(state[2], state[3], c)
         else:
-            b, ball = state[7] > 0.0, placed(state[1], state[2], state[3], int(state[4]))
+            b, ball = not still and state[7] > 0.0, placed(state[1], state[2], state[3], int(state[4]))
         u, v, count = state[2], state[3], 0
         while count + 2 < legs.shape[0] and n * c.a.T + ball.t < until:
             leg = legs[count]
             leg[0], leg[1], leg[2], leg[3] = n, ball.t, ball.y, ball.v
             leg[5], leg[6], leg[7], leg[8] = np.nan, np.nan, 0.0, 0.0
-            leg[9], leg[10] = numbered(b), numbered(b)
             count += 1
-            hit, flags = grounded and ball.y == 0.0 and ball.v <= 0.0, 0
+            left, flags = b, AMBIGUOUS if not still and grounded and rest_in_doubt(u, v, c) else OK
+            hit = grounded and ball.y == 0.0 and ball.v <= 0.0
             if not hit:
-                hit, b, ball, flags, _near = first_contact(ball, b, c)
-            leg[4], leg[10] = ball.t, numbered(b)
+                hit, b, ball, said, _near = first_contact(ball, b, c)
+                flags |= said
+            leg[4] = ball.t
+            if not still:
+                leg[9], leg[10] = numbered(left), numbered(b)
             if hit:
                 arrived = ball.v
-                how, ball, said = departure(ball, min(c.patience, PATIENCE * fastest), frame_of(b, c))
+                how, ball, said = departure(ball, min(c.patience, patience * fastest), frame_of(b, c))
                 flags |= said
                 if arrived < 0.0 or ball.v > 0.0:
                     leg[5], leg[6] = arrived, ball.v
@@ -147,20 +133,25 @@ def walled_recorder(harmonics: int) -> Callable[..., int]:
                     rest = legs[count]
                     rest[0], rest[1], rest[2], rest[3], rest[4] = n, leg[4], 0.0, 0.0, ball.t
                     rest[5], rest[6], rest[7], rest[8] = np.nan, np.nan, 0.0, 1.0
-                    rest[9], rest[10] = numbered(b), numbered(b)
+                    if not still:
+                        rest[9], rest[10] = numbered(b), numbered(b)
                     count += 1
             leg[7] = flags
-            grounded = ball.t >= c.a.T
+            grounded = ball.t >= c.a.T  # only at a strobe can the ball be on the wall with its contact still to come
             if grounded:
                 n, fastest = n + 1, 0.0
-                u, v = seen_at_strobe(ball, b, c)
-                b, ball = seen_from_strobe(u, v, c)
-        state[0], state[1], state[4], state[5] = n, ball.t, ball.i, fastest
-        state[2], state[3] = (u, v) if grounded else (ball.y, ball.v)
-        state[6], state[7] = 0.0 if grounded else 1.0, numbered(b)
+                if still:
+                    ball = placed(0.0, ball.y, ball.v, 0)
+                else:
+                    u, v = seen_at_strobe(ball, b, c)
+                    b, ball = seen_from_strobe(u, v, c)
+        state[0], state[1], state[4], state[5], state[6] = n, ball.t, ball.i, fastest, 0.0 if grounded else 1.0
+        state[2], state[3] = (u, v) if grounded and not still else (ball.y, ball.v)
+        if not still:
+            state[7] = numbered(b)
         return count
 
-    return compiled(record)
+    return record
 
 
 @lru_cache(maxsize=64)

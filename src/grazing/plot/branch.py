@@ -158,11 +158,15 @@ def shade_of(word: str, period: int, shades: dict[str, str] | None) -> str:
 def drawn(
     table: xr.Dataset, ax: Axes, name: str, coordinate: str, virtual: bool, shades: dict[str, str] | None = None
 ) -> list[Any]:
-    """Draw the lines: one for each stretch of one piece, word and kind, joined to the point before it."""
+    """Draw the lines: one for each stretch of one piece, colour and kind, joined to the point before it.
+
+    Where an impact crosses the strobe the word changes, and some coordinates jump: others go on.
+    """
     kind, piece = kinds(table), table["piece"].values
     word, period = table["word"].values.astype(str), table["period"].values
     x, y = table[name].values, table[coordinate].values
-    goes_on = (piece[1:] == piece[:-1]) & (word[1:] == word[:-1])
+    goes_on = (piece[1:] == piece[:-1]) & (period[1:] == period[:-1])
+    goes_on &= (word[1:] == word[:-1]) | ~jumps(x, y, piece)
     # an orbit at a special point is on the edge of two kinds: a step is of the kind of its other end
     # the first point after it may be the same orbit again, to rounding
     at = table["event"].values == 1
@@ -170,7 +174,10 @@ def drawn(
     at[1:] |= at[:-1] & same
     step = np.where(at[:-1], kind[1:], kind[:-1])
     step = np.where(goes_on, step, "")
-    edges = np.concatenate([[0], np.flatnonzero(step[1:] != step[:-1]) + 1, [len(step)]]) if len(step) else [0]
+    new = step[1:] != step[:-1]
+    if shades is not None:
+        new |= word[1:-1] != word[:-2]
+    edges = np.concatenate([[0], np.flatnonzero(new) + 1, [len(step)]]) if len(step) else [0]
     artists = []
     for first, last in pairwise(edges):
         what = str(step[first])
@@ -186,6 +193,19 @@ def drawn(
             zorder={"stable": 3.0, "unstable": 2.8, "virtual": 2.5}[what],
         )
     return artists
+
+
+def jumps(x: NDArray[Any], y: NDArray[Any], piece: NDArray[Any]) -> NDArray[Any]:
+    """Return which steps from point to point are far longer than those beside them on their piece: jumps."""
+    wide, high = np.abs(np.diff(x)), np.nan_to_num(np.abs(np.diff(y, axis=0))).max(axis=1, initial=0.0)
+    beside_x, beside_y = np.zeros_like(wide), np.zeros_like(high)
+    same = piece[1:] == piece[:-1]
+    for here, there in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
+        joined = same[here] & same[there]
+        beside_x[here] = np.maximum(beside_x[here], np.where(joined, wide[there], 0.0))
+        beside_y[here] = np.maximum(beside_y[here], np.where(joined, high[there], 0.0))
+    longer = np.maximum(wide / np.where(beside_x > 0.0, beside_x, np.inf), 1.0)
+    return np.asarray(high > 2.0 * longer * beside_y + 1e-9 * np.nan_to_num(np.abs(y)).max(initial=0.0))
 
 
 def marked(

@@ -15,8 +15,10 @@ from grazing.outcome import InputError
 from grazing.plot.drawn import inline
 from grazing.plot.style import DOUBLE, axes, ink_on, period_colour, root, styled, unit_of
 
-#: Height of a bar, distance of the two rows and place of the lower one, in points above the axes.
+#: Height of a bar, distance of rows and place of the lowest one, in points above the axes.
 BAR, ROW, FIRST = 9.0, 10.5, 4.0
+#: Overlap of two bars, as a share of the axes, beyond which it is seen.
+SEEN = 1e-3
 
 
 @inline
@@ -30,6 +32,8 @@ def windows(
     numbered: float = 0.013,
 ) -> dict[str, Any]:
     """Shade the windows of period N and name them above the axes, odd and even N in rows of their own.
+
+    Where two bars of a row would overlap, the later one goes up.
 
     Parameters
     ----------
@@ -61,26 +65,32 @@ def windows(
     bands: dict[int, Any] = {}
     texts: dict[int, Any] = {}
     with styled():
+        of_its_own = ax is None
         ax = alone(edges) if ax is None else ax
         left, right = sorted(ax.get_xlim())
         to_axes = ax.transScale + ax.transLimits  # also on a logarithmic axis
         above = across(ax)
+        taken: list[tuple[int, float, float]] = []
         for (N, low, high), word in zip(rows_of(edges), words_of(edges), strict=True):
             a, b = max(min(low, high), left), min(max(low, high), right)
             if low >= high or a >= b:
                 continue
-            colour, row = period_colour(N), FIRST + ROW * (N % 2)
+            left_end, right_end = sorted(float(x) for x in to_axes.transform([(a, 1.0), (b, 1.0)])[:, 0])
+            place = N % 2
+            while any(at == place and min(right_end, y) - max(left_end, x) > SEEN for at, x, y in taken):
+                place += 1
+            taken.append((place, left_end, right_end))
+            colour, row = period_colour(N), FIRST + ROW * place
             bars[N] = ax.add_patch(
                 Rectangle((a, row), b - a, BAR, transform=above, facecolor=colour, lw=0, clip_on=False, zorder=4)
             )
             if shade > 0.0:
                 bands[N] = ax.axvspan(a, b, color=colour, alpha=shade, lw=0, zorder=0)
-            ends = to_axes.transform([(a, 1.0), (b, 1.0)])[:, 0]
-            share = abs(float(ends[1] - ends[0]))
+            share = right_end - left_end
             if names and share > numbered:
                 text = word or (rf"$\Omega_{{{N}}}$" if share > narrowest else f"{N}")
                 texts[N] = ax.text(
-                    float(to_axes.inverted().transform((float(ends.mean()), 0.5))[0]),
+                    float(to_axes.inverted().transform((0.5 * (left_end + right_end), 0.5))[0]),
                     row + 0.5 * BAR - 0.3,
                     text,
                     transform=above,
@@ -91,6 +101,9 @@ def windows(
                     zorder=6,
                     clip_on=False,
                 )
+        if of_its_own:
+            more = max((place - 1 for place, _left, _right in taken), default=0)
+            root(ax).set_figheight(root(ax).get_figheight() + max(more, 0) * ROW / 72.0)
     return {"figure": root(ax), "bars": bars, "bands": bands, "names": texts}
 
 

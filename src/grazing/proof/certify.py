@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from grazing.copies import ByValue
 from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import model_of, numbered
+from grazing.orbits.finder import named
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests
@@ -22,7 +23,7 @@ from grazing.proof.clearance import check_impacts, cleared_flight
 from grazing.proof.equations import Equations, Matrix
 from grazing.proof.expression import NotAnExpression
 from grazing.proof.flow import Blurred, TooLong
-from grazing.proof.gap import GapProof, certify_gap_orbit
+from grazing.proof.gap import GapProof
 from grazing.proof.krawczyk import NoConvergence, contraction, inverse, newton, remainder, residual_of
 from grazing.proof.reasons import NotProven, Open, Stage, Virtual
 from grazing.proof.repeats import is_own_image, shift_margins
@@ -165,10 +166,12 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     >>> certificate.proven, certificate.claims["stability"]
     (True, 'stable')
     """
-    if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
-        return certify_gap_orbit(orbit)
-    if isinstance(orbit, BounceOrbit):
-        return _on_table(orbit)
+    found: Certificate | GapProof = (named(orbit.proven_by) if isinstance(orbit, Orbit) else certify_impacts)(orbit)
+    return found
+
+
+def certify_impacts(orbit: object) -> Certificate:
+    """Return the certificate of an orbit of an oscillator; raise InputError for any other orbit."""
     orbit = with_impacts(orbit)
     n, N = orbit.impacts, orbit.period
     name = f"periodic orbit {signature(n, N)}"
@@ -188,7 +191,7 @@ def certify(orbit: Orbit) -> Certificate | GapProof:
     return Certificate(True, statement, missing, document, f"{name}, {said}")
 
 
-def _on_table(orbit: BounceOrbit) -> Certificate:
+def certify_bounces(orbit: BounceOrbit) -> Certificate:
     """Return the certificate of an orbit on a table."""
     kind, name = "periodic orbit on a table", f"periodic orbit {orbit.word} on a table"
     try:

@@ -26,7 +26,7 @@ def speeds_in(data: Mapping[str, Any]) -> list[float]:
 def same_model(data: Mapping[str, Any], model: Any) -> None:
     """Raise InputError unless the data of a right certificate are about a model.
 
-    A parameter that the certificate encloses may have any value.
+    A parameter that the certificate encloses may have any value, mu one in the interval that it is about.
 
     Examples
     --------
@@ -42,13 +42,22 @@ def same_model(data: Mapping[str, Any], model: Any) -> None:
     """
     theirs = dict(_leaves({name: data[name] for name in PARTS if name in data}))
     ours = dict(_leaves(_described(model, data)))
-    enclosed = {"mu"} if data.get("edge") else {name for name, text in theirs.items() if text is None}
-    for name in dict.fromkeys([*theirs, *ours]):
-        if theirs.get(name) != ours.get(name) and not (name in enclosed and name in ours):
-            said, here = (_value(one.get(name)) for one in (theirs, ours))
-            raise InputError(
-                f"the certificate is right, but about another model: its {name} is {said}, here it is {here}"
-            )
+    enclosed = {at for at, text in theirs.items() if text is None}
+    if "edge" in data or "turns" in data:
+        enclosed.add(("mu",))
+    for at in dict.fromkeys([*theirs, *ours]):
+        if theirs.get(at) != ours.get(at) and not (at in enclosed and at in ours):
+            _refuse(at, *(_value(one.get(at)) for one in (theirs, ours)))
+    if "turns" in data:
+        low, high, mu = (float.fromhex(x) for x in (data["low"], data["high"], ours[("mu",)]))
+        if not (mu > 0.0 and low <= mu <= high):
+            _refuse(("mu",), f"{'above' if low == 0.0 else 'at least'} {low!r} and at most {high!r}", repr(mu))
+
+
+def _refuse(at: tuple[Any, ...], said: Any, here: Any) -> None:
+    """Raise InputError for a value, named by where it is."""
+    name = " ".join(str(step) for step in (*(one for one in at[:-1] if one not in ("model", "parameters")), at[-1]))
+    raise InputError(f"the certificate is right, but about another model: its {name} is {said}, here it is {here}")
 
 
 def of_rig(model: Rig, speeds: list[float]) -> dict[str, Any]:
@@ -83,17 +92,17 @@ def _described(model: Any, data: Mapping[str, Any]) -> dict[str, Any]:
     return {name: found[name] for name in PARTS if name in found}
 
 
-def _leaves(value: Any, name: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield the numbers and words in data, each with a name that says where."""
+def _leaves(value: Any, at: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
+    """Yield the place of each number and word in data, and what it is; no two have one place, whatever their names."""
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from _leaves(inner, f"{name} {key}".strip() if key not in ("model", "parameters") else name)
+            yield from _leaves(inner, (*at, key))
     elif isinstance(value, list):
         for i, inner in enumerate(value):
             named = inner.get("name") if isinstance(inner, Mapping) else None
-            yield from _leaves(inner, f"{name} {named or i + 1}".strip())
+            yield from _leaves(inner, (*at, named or i + 1))
     else:
-        yield name, value
+        yield at, value
 
 
 def _value(text: Any) -> Any:

@@ -362,10 +362,7 @@ def _switch(holds: Callable[[float], bool], low: float, high: float) -> float:
         middle = 0.5 * (low + high)
         if not low < middle < high:
             break
-        if holds(middle):
-            high = middle
-        else:
-            low = middle
+        low, high = (low, middle) if holds(middle) else (middle, high)
     return high
 
 
@@ -394,9 +391,8 @@ def polished(b: Blocks, s: float) -> FloatArray:
         except np.linalg.LinAlgError:
             break
         ahead = defect(new)
-        if (new < 0.0).any() or not np.abs(ahead).max() < np.abs(off).max():
-            break
-        if np.abs(new - roots).max() > 1e-3 * (np.abs(roots).max() + 1e-300):
+        away = np.abs(new - roots).max() > 1e-3 * (np.abs(roots).max() + 1e-300)
+        if away or (new < 0.0).any() or not np.abs(ahead).max() < np.abs(off).max():
             break
         roots, off = new, ahead
     return roots

@@ -8,7 +8,7 @@ import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Here } from "./here.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
-import { Past } from "./past.js";
+import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
 import { portrait } from "./portrait.js";
 import { Sling } from "./sling.js";
@@ -16,6 +16,7 @@ import { Sound } from "./sound.js";
 import { later, numeral, tidy } from "./state.js";
 import { Strip } from "./strip.js";
 import { tune } from "./tune.js";
+import { ceiling, inside, moved, swing } from "./walls.js";
 
 /** Periods of forcing in a second at speed 1, and points of the portrait that are remembered. */
 const PACE = 0.7, TRAIL = 800;
@@ -123,16 +124,17 @@ export class BallView {
   /** Show a state: find what random starts settle on; the ball goes on from where it is, or from where it was thrown. @param {State} state */
   show(state) {
     // a wall that is moved takes the ball along that was shown before it; a link that begins behind the wall is wrong
-    if (state.ball && state.ball[0] < state.sigma && JSON.stringify(state.ball) === this.thrown) this.change({ ball: [state.sigma, state.ball[1], state.ball[2]] });
-    if (state.ball && state.ball[0] < state.sigma) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${state.sigma}; begin at the wall or above`);
+    const free = state.ball && inside(state, state.ball[0], state.ball[2]);
+    if (state.ball && free !== state.ball[0] && JSON.stringify(state.ball) === this.thrown) this.change({ ball: [free, state.ball[1], state.ball[2]] });
+    if (state.ball && free !== state.ball[0]) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${free}; begin at the wall or ${Number(free) < state.ball[0] ? "below" : "above"}`);
     const { machine } = this, row = rowOf(machine, state), T = (2 * Math.PI) / state.omega;
     const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined;
     const turn = this.flight ? this.turn : 0, before = this.state;
     this.state = state;
-    this.model = { row, sigma: state.sigma, T };
+    this.model = { row, walls: state, T };
     if (anew) this.search.forget();
     const which = machine.fields.indexOf(state.vary);
-    this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(T));
+    this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(state));
     this.#diagram(anew);
     this.company.show(state);
     if (key === this.key && thrown === this.thrown) return this.draw();
@@ -143,8 +145,9 @@ export class BallView {
     if (!goes) return this.begin();
     const [u, v] = this.place;
     this.lived = true;
-    if (state.sigma !== before.sigma || state.omega !== before.omega) this.past.clear();
-    this.#fly([Math.max(u, state.sigma), v, (turn - Math.floor(turn)) * T], turn);
+    if (/** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]).some((name) => state[name] !== before[name])) this.past.clear();
+    const time = (turn - Math.floor(turn)) * T;
+    this.#fly([inside(state, u, time), v, time], turn);
     this.#fit();
     this.draw();
   }
@@ -175,7 +178,7 @@ export class BallView {
   /** Follow the attractor that most starts reach once around; while it is searched, a few periods from above the wall, not drawn. */
   #portrait() {
     const most = this.classes[0];
-    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [this.state.sigma + 0.1, 0];
+    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1, this.state.phase), 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
     this.attractor = flown(this.machine, this.model, u, v, this.search.waiting ? 1 : periods);
     this.ends = this.#around(this.attractor);
@@ -190,10 +193,10 @@ export class BallView {
 
   /** Axes in which a flight is seen. @param {{u: number[], v: number[], hits: Hit[]}} flight @returns {[number, number, number, number]} */
   #around({ u, v, hits }) {
-    const { sigma } = this.state, vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
+    const { sigma } = this.state, amplitude = swing(this.state), vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
     const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
-    const top = Math.max(...u, sigma + 0.05), room = 0.08 * (high - low) || 0.1;
-    return [sigma - 0.06 * (top - sigma), top + 0.06 * (top - sigma), low - room, high + room];
+    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
+    return [bottom - 0.06 * (top - bottom), top + 0.06 * (top - bottom), low - room, high + room];
   }
 
   /** Axes in which the attractor is seen, and a flight that does not begin on it. */
@@ -206,7 +209,7 @@ export class BallView {
   /** Throw the ball from a state at the section. @param {number} u @param {number} v */
   throw(u, v) {
     const [width, height] = [this.axes.x1 - this.axes.x0, this.axes.y1 - this.axes.y0];
-    this.change({ ball: [Math.max(tidy(u, width), this.state.sigma), tidy(v, height), this.state.phase] });
+    this.change({ ball: [inside(this.state, tidy(u, width), this.state.phase), tidy(v, height), this.state.phase] });
   }
 
   /** Begin on the attractor again. */
@@ -241,7 +244,7 @@ export class BallView {
     const period = this.classes[0]?.period ?? 0, { attractor } = this;
     if (!(period > 0) || attractor.cut || !attractor.times.length) return;
     const turns = Math.round(attractor.times[attractor.times.length - 1] / this.T);
-    for (let ago = Math.ceil(TURNS / turns) * turns; ago > 0; ago -= turns) this.past.add(attractor, (t) => this.#clock(t) - ago, this.section, this.state.sigma, -Infinity);
+    for (let ago = Math.ceil(TURNS / turns) * turns; ago > 0; ago -= turns) this.past.add(attractor, (t) => this.#clock(t) - ago, this.section, -Infinity);
   }
 
   /** Begin the flight: from where the ball is thrown, or on the attractor. */
@@ -262,17 +265,17 @@ export class BallView {
 
   /** Move the ball on by a time. @param {number} time */
   #advance(time) {
-    const { flight, T, section } = this, { sigma } = this.state, from = this.now;
+    const { flight, T, section } = this, from = this.now;
     const next = (Math.floor(this.#clock(from) - section + 1e-9) + 1 + section - this.#turns) * T; // when it passes the section
-    const moved = flight.advance(time, next <= from + time ? [next] : []);
-    if (!moved) {
+    const gone = flight.advance(time, next <= from + time ? [next] : []);
+    if (!gone) {
       this.problem("The ball cannot be followed further: its orbit ended.");
       return this.play(false);
     }
-    const { times, u, v, hits } = moved;
+    const { times, u, v, hits } = gone;
     let hit = 0;
     times.forEach((t, i) => {
-      for (; hit < hits.length && hits[hit].t <= t; hit++) this.trail.push([sigma, hits[hit].before], null, [sigma, hits[hit].after]);
+      for (; hit < hits.length && hits[hit].t <= t; hit++) this.trail.push([hits[hit].place, hits[hit].before], null, [hits[hit].place, hits[hit].after]);
       this.trail.push([u[i], v[i]]);
       if (t === next) {
         this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
@@ -281,11 +284,11 @@ export class BallView {
     });
     this.trail.splice(0, Math.max(0, this.trail.length - TRAIL));
     this.visited.splice(0, Math.max(0, this.visited.length - VISITED));
-    this.past.add(moved, this.#clock, section, sigma, performance.now());
+    this.past.add(gone, this.#clock, section, performance.now());
     for (const each of hits) {
       this.impacts++;
       this.flash.push({ ...each, at: performance.now() });
-      this.sound.hit(-each.before, Math.max(-this.axes.y0, this.axes.y1));
+      this.sound.hit(each.speed, Math.max(-this.axes.y0, this.axes.y1));
     }
     this.flash.splice(0, Math.max(0, this.flash.length - 12));
     this.company.moved(time);
@@ -341,10 +344,11 @@ export class BallView {
     const { axes, state, past } = this;
     if (!this.attractor || !this.flight) return;
     const colour = periodColour(past.heard(this.classes)?.period ?? 0), { twin } = this.company, { aim } = this.sling;
-    const endless = [...past.letters.values()].includes("C"); // completed chatter has impacts without end
+    const endless = [...past.letters.values()].some(chattered); // completed chatter has impacts without end
     const time = `t = ${(this.begun[2] + this.now).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
-    portrait(axes, { sigma: state.sigma, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
-    this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], sigma: state.sigma, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim });
+    const [shift] = moved(state, this.begun[2] + this.now);
+    portrait(axes, { low: state.sigma + shift, high: ceiling(state) + shift, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
+    this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], walls: state, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim });
     this.canvas.dataset.stage = "done";
   }
 
@@ -366,13 +370,17 @@ export class BallView {
   /** What there is, and what it does, in a visitor's words. */
   lead() {
     const kicks = this.state.law !== "newton" && this.state.V > 0;
-    return { headline: `A force pushes a ball up and down above a ${kicks ? "bumper that kicks" : "wall"}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
+    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, above = two && this.state.law !== "newton" && this.state.V_B > 0;
+    const where = two ? `between ${kicks && above ? "two bumpers that kick" : kicks ? "a bumper that kicks and a wall" : above ? "a wall and a bumper that kicks" : "two walls"}` : `above a ${kicks ? "bumper that kicks" : "wall"}`;
+    return { headline: `A force pushes a ball up and down ${where}${moves ? `, which ${two ? "move" : "moves"}` : ""}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
   }
 
   summary() {
     const { state } = this;
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${numeral(state.offset, 15)}:` }];
+    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${state.law === "newton" ? "" : `, and kicks with V = ${numeral(state.V_B)}`}; a word names the walls that are hit.` });
+    if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
     if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });

@@ -9,6 +9,7 @@ import { basins, linspace } from "./jobs.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
 import { allowed, tidy, numeral } from "./state.js";
+import { ceiling, inside } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -69,7 +70,7 @@ export class ChartView {
   #allowed([low, high], i) {
     const { plan, state } = this;
     if (!plan || !state) return [low, high];
-    if (plan.basins) return [i === 0 ? Math.max(low, state.sigma) : low, high];
+    if (plan.basins) return i === 0 ? [inside(state, low, state.phase), Number.isFinite(ceiling(state)) ? inside(state, high, state.phase) : high] : [low, high];
     return allowed(plan.machine.described.fields[plan.which[i]], [low, high]);
   }
 
@@ -78,7 +79,7 @@ export class ChartView {
     const { plan, state } = this;
     if (!plan || !state) return {};
     const [a, b] = [x, y].map((value, i) => tidy(value, plan.ends[i][1] - plan.ends[i][0]));
-    return plan.basins ? { ball: [Math.max(a, state.sigma), b, state.phase] } : { [plan.names[0]]: a, [plan.names[1]]: b };
+    return plan.basins ? { ball: [inside(state, a, state.phase), b, state.phase] } : { [plan.names[0]]: a, [plan.names[1]]: b };
   }
 
   /** @returns {Pair} */
@@ -99,11 +100,11 @@ export class ChartView {
     const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
     const T = (2 * Math.PI) / state.omega;
     if (state.chart === "basins") {
-      const [low, high] = state.positions;
-      if (high <= state.sigma) throw new Error(`positions run to ${high}, behind the wall at ${state.sigma}; choose positions above the wall`);
+      const [low, high] = /** @type {Pair} */ (state.positions.map((end) => inside(state, end, state.phase)));
+      if (high <= low) throw new Error(`positions run from ${state.positions.join(" to ")}, behind a wall; choose some that are not`);
       return {
         machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
-        ends: [[Math.max(low, state.sigma), high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(T),
+        ends: [[low, high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(state),
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
@@ -111,7 +112,7 @@ export class ChartView {
     const common = { machine, basins: false, names, which: names.map((name) => machine.fields.indexOf(name)), row, sizes };
     return gap
       ? { ...common, name: "gap", keys: ["span", "gaps"], ends: [state.span, state.gaps], settings: { starts: 8, transient: 500, keep: 64 }, cost: 1 }
-      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(T) };
+      : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(state) };
   }
 
   /** @param {State} state */
@@ -131,6 +132,7 @@ export class ChartView {
       if (same !== this.#same) this.#seen = undefined;
       this.#same = same;
       this.canvas.dataset.stage = "computing";
+      this.#begun = performance.now();
       this.#compute(plan, this.codes).catch((error) => {
         this.canvas.dataset.stage = "failed";
         this.problem(`The chart could not be computed: ${error.message}.`);
@@ -139,7 +141,7 @@ export class ChartView {
     if (!plan.basins) {
       const gap = plan.name === "gap", which = plan.which[0];
       const T = gap ? 1 : (2 * Math.PI) / state.omega;
-      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(T));
+      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(state));
     }
     this.paint();
   }
@@ -177,6 +179,8 @@ export class ChartView {
     this.paint();
     this.done();
   }
+
+  /** When the picture was begun. */ #begun = 0;
 
   #soon() {
     this.#asked ||= requestAnimationFrame(() => {
@@ -248,6 +252,7 @@ export class ChartView {
     const symbols = this.#symbols();
     axes.frame(symbols[0], symbols[1]);
     this.#legend(c);
+    if (this.canvas.dataset.stage === "computing") axes.progress(this.codes ? 1 - this.codes.filter((code) => code === NONE).length / this.codes.length : 0, this.#begun);
     this.gestures.draw(c);
   }
 
@@ -338,8 +343,9 @@ export class ChartView {
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     if (state.ball) {
       const [u, v] = state.ball;
-      if (u < state.sigma) said.push({ text: `(${numeral(u)}, ${numeral(v)}) lies behind the wall at ${numeral(state.sigma)}.` });
-      const { reached } = u < state.sigma ? { reached: [] } : this.#follow(u, v);
+      const free = inside(state, u, state.ball[2]);
+      if (free !== u) said.push({ text: `(${numeral(u)}, ${numeral(v)}) lies behind the wall at ${numeral(free)}.` });
+      const { reached } = free !== u ? { reached: [] } : this.#follow(u, v);
       if (reached.length) said.push({ text: `From (${numeral(u)}, ${numeral(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
     }
     return said;

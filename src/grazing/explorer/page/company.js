@@ -4,6 +4,7 @@ import { flown } from "./flight.js";
 import { numeral } from "./state.js";
 import { Sweeps } from "./sweeps.js";
 import { Rate, Twin } from "./twin.js";
+import { inside } from "./walls.js";
 
 /** Intervals that are named at most. */
 const NAMED = 4;
@@ -57,7 +58,7 @@ export class Company {
   /** The ball has moved on by a time. @param {number} time */
   moved(time) {
     const { view, twin } = this;
-    if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.state.sigma, view.place))) this.#meet();
+    if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.place))) this.#meet();
   }
 
   /** The ball has passed the section. @param {[number, number]} place */
@@ -67,7 +68,7 @@ export class Company {
     this.rate.pass(place, (u, v) => {
       const { u: us, v: vs, cut } = flown(machine, model, u, v, 1);
       return cut ? [NaN, NaN] : [us[us.length - 1], vs[vs.length - 1]];
-    }, model.sigma, this.#size);
+    }, (u) => inside(model.walls, u, this.view.state.phase), this.#size);
     this.#tell();
   }
 

@@ -92,6 +92,9 @@ export class Diagram {
   /** @type {Spec | null} what was asked for while a first picture was under way */ #wanted = null;
   /** @type {ImageData | null} */ #pixels = null;
   #asked = 0;
+  /** When the picture was begun, and which share of its columns is known. */
+  #begun = 0;
+  #share = 1;
   /** @type {(() => void) | undefined} told when the picture has been drawn */ drew = undefined;
   /** Milliseconds that pictures computed in the page have taken lately; less while none is, so that it is tried again. */
   #took = 0;
@@ -192,7 +195,8 @@ export class Diagram {
 
   /** @param {Spec} spec */
   async #compute(spec) {
-    const batch = this.pool.batch(this.channel), begun = performance.now();
+    const batch = this.pool.batch(this.channel), begun = (this.#begun = performance.now());
+    this.#share = 0;
     const made = new Raster(spec, this.#spare);
     this.#spare = null;
     const { values, columns } = made, { quick } = spec;
@@ -216,7 +220,7 @@ export class Diagram {
     if (this.#next()) return;
     await onScreen(); // refinement would take the processors from the frame that shows this picture
 
-    const size = CHUNK_WORK / spec.cost;
+    const size = CHUNK_WORK / spec.cost, passes = spec.colour ? 2 : 1;
     await this.#inParts(values, size / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
       const found = await batch.run(spec.machine, "raster", this.#job(spec, some));
       made.put(from, found.counts, spec.starts * spec.keep);
@@ -224,6 +228,7 @@ export class Diagram {
         made.ambiguous += found.ambiguous[i];
         made.ended += found.ended[i];
       }
+      this.#share += some.length / columns / passes;
       this.#soon();
     });
     this.milliseconds.full = performance.now() - begun;
@@ -234,6 +239,7 @@ export class Diagram {
       await this.#inParts(values, size / (ASKED * (spec.transient + SEEN)), async (some, from) => {
         const found = await batch.run(spec.machine, "periods", { ...this.#job(spec, some), starts, keep: SEEN, tolerance: spec.tolerance });
         made.codes.set(found.codes, from * made.bins);
+        this.#share += some.length / columns / passes;
         this.#soon();
       });
     }
@@ -351,6 +357,7 @@ export class Diagram {
     });
     this.events.overlay?.(axes, c);
     axes.frame(spec.labels[0], spec.labels[1]);
+    if (this.stage !== "done") axes.progress(this.#share, this.#begun);
     this.gestures.draw(c);
     this.axes.canvas.dataset.stage = this.stage;
     this.drew?.();

@@ -8,6 +8,7 @@ import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
 import { allowed, later } from "./state.js";
 import { isPinball } from "./text.js";
+import { crossings, still } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
@@ -17,6 +18,8 @@ import { isPinball } from "./text.js";
 
 /** A period of the forcing longer than this is long: few orbits say how high the diagram is. */
 const SLOW = 60;
+/** Where walls are hit more often in a period than this, the first picture is of fewer orbits, and of a handful. */
+const OFTEN = 4, ENDLESSLY = 80;
 
 /** The value of a parameter of the oscillator. @param {State} state @param {string} name */
 export const valueOf = (state, name) => /** @type {Record<string, any>} */ (state)[name];
@@ -26,6 +29,7 @@ export function rowOf(machine, state) {
   return Float64Array.from(machine.described.fields, ({ name, choices }) => {
     if (name === "order") return 0;
     if (name === "paper") return Number(isPinball(state));
+    if (name === "two") return Number(state.two);
     return choices ? choices.indexOf(valueOf(state, name)) : valueOf(state, name);
   });
 }
@@ -42,19 +46,21 @@ export function diagramOf(machine, state, tolerance) {
   const others = Array.from(row);
   others[which] = 0;
   const key = JSON.stringify({ ...common, others, which, coordinate, window: state.window, bins: state.bins });
-  const longest = (2 * Math.PI) / (state.vary === "omega" ? state.reach[0] : state.omega);
+  const ends = state.reach.map((end) => ({ ...state, [state.vary]: end })), cost = Math.max(...ends.map(costOf));
+  const hits = Math.max(...ends.map(crossings)), dear = hits > OFTEN;
+  const slow = (2 * Math.PI) / Math.min(...ends.map(({ omega }) => omega)) > SLOW || hits > ENDLESSLY;
   /** @returns {import("./diagram.js").Spec} */
   const spec = () => {
     let [low, high] = state.window ?? [0, 0];
     if (!state.window) {
-      const slow = longest > SLOW;
-      const trial = extent(machine, { row, which, values: linspace(...state.reach, slow ? 6 : 24), coordinate, seed: state.seed, slow });
+      const sizes = slow ? { starts: 2, transient: 3, keep: 4 } : dear ? { starts: 3, transient: 20, keep: 20 } : { starts: 6, transient: 100, keep: 40 };
+      const trial = extent(machine, { row, which, values: linspace(...state.reach, slow || dear ? 6 : 24), coordinate, seed: state.seed, ...sizes });
       [low, high] = outwards(trial.low, trial.high);
     }
     const symbol = plainSymbol(machine.described.fields[which]);
-    return { ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * costOf(longest), quick: { stride: 12, starts: 4, transient: 50, keep: 40 } };
+    return { ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * cost, quick: hits > ENDLESSLY ? { stride: 100, starts: 1, transient: 8, keep: 8 } : dear ? { stride: 24, starts: 2, transient: 30, keep: 30 } : { stride: 12, starts: 4, transient: 50, keep: 40 } };
   };
-  return { row, which, common, key, spec, slow: longest > SLOW };
+  return { row, which, common, key, spec, slow };
 }
 
 /** What a diagram of the oscillator answers to. @param {{state: State}} view @param {Machine} machine @param {Pick<import("./state.js").Events, "change" | "problem" | "done">} told */
@@ -125,7 +131,7 @@ export class FlowView {
       this.reduced.draw();
     }
     const T = (2 * Math.PI) / state.omega, transient = Math.max(within(300, T), state.flow_transient);
-    this.search.ask("oscillator", machine, { row, which, value: valueOf(state, state.vary), transient, keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(T));
+    this.search.ask("oscillator", machine, { row, which, value: valueOf(state, state.vary), transient, keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(state));
   }
 
   get classes() {
@@ -143,8 +149,8 @@ export class FlowView {
    * @param {Pick<import("./diagram.js").Spec, "span" | "columns" | "starts" | "transient" | "keep" | "seed" | "tolerance" | "colour">} common
    */
   #reduce(state, row, which, field, common) {
-    this.form = normalForm(this.machine, row, which, field);
-    this.why = this.form ? "" : "No graze of the steady response is near: there is no normal form in this parameter.";
+    this.form = still(state) ? normalForm(this.machine, row, which, field) : null;
+    this.why = this.form ? "" : !still(state) ? "The normal form is that of one wall at rest." : "No graze of the steady response is near: there is no normal form in this parameter.";
     this.windows = [];
     /** @type {import("./diagram.js").Spec | null} */
     let spec = null;

@@ -1,6 +1,8 @@
 // @ts-check
 /** What is computed: rasters, classes of orbits, the normal form. The same code runs in workers and in the page. */
 
+import { inside, wallsOf } from "./walls.js";
+
 /** @typedef {import("./machine.js").Machine} Machine */
 /** @typedef {import("./machine.js").Floats} Floats */
 /**
@@ -92,6 +94,18 @@ export const CHATTER = -1;
 /** Letters as Python writes them: impacts in a step, above 9 as (12), C for completed chatter, S for rest on the wall. @param {number[]} letters */
 export const written = (letters) => letters.map((k) => (k === CHATTER ? "C" : k < 0 ? "S" : k > 9 ? `(${k})` : String(k))).join("");
 
+/** More impacts between two walls than a letter tells apart. */
+const MANY = -5;
+/** The walls that are hit in a step between two, in order. @param {number} letter @returns {string} */
+const walls = (letter) => (letter > 0 ? walls(Math.floor(letter / 3)) + "0AB"[letter % 3] : "");
+/** Letters between two walls as Python writes them: the walls that are hit, (CA) for chatter completed at A, (SA) for rest on it. @param {number[]} letters */
+function between(letters) {
+  return letters.map((k) => (k === MANY ? "(more)" : k < 0 ? `(${"CS"[(-k - 1) % 2]}${"AB"[(-k - 1) >> 1]})` : k === 0 ? "0" : k < 3 ? walls(k) : `(${walls(k)})`)).join("");
+}
+
+/** Whether a row of parameters has two walls. @param {Machine} machine @param {Floats} row */
+const two = (machine, row) => row[machine.fields.indexOf("two")] === 1;
+
 /** A word in its least rotation. @param {number[]} letters */
 function least(letters) {
   const turns = letters.map((_, i) => [...letters.slice(i), ...letters.slice(0, i)]);
@@ -123,22 +137,22 @@ export function found(machine, { row, which, value, starts = 16, transient, keep
     const begin = made.begin[j] - Math.max(period, 0); // the letters repeat, and here none of the word lies beyond the end
     const letters = Array.from({ length: made.length[j] }, (_, n) => made.letters[(begin + n) * starts + j]);
     const names = machine.described.letters;
-    const word = names ? least(letters).map((k) => names[k]).join("") : written(least(letters));
+    const pair = two(machine, row), word = names ? least(letters).map((k) => names[k]).join("") : (pair ? between : written)(least(letters));
     const length = period > 0 ? Math.min(period, keep) : keep;
     const points = Array.from({ length }, (_, n) => Array.from({ length: dimension }, (_, d) => made.points[(n * dimension + d) * starts + j]));
     const counted = !names && letters.every((k) => k >= 0);
-    classes.push({ period, word, share: made.count[i] / starts, points, impacts: counted ? letters.reduce((sum, k) => sum + k, 0) : null, length: letters.length });
+    classes.push({ period, word, share: made.count[i] / starts, points, impacts: counted ? letters.reduce((sum, k) => sum + (pair ? walls(k).length : k), 0) : null, length: letters.length });
   }
   return classes;
 }
 
-/** Where a few orbits have a coordinate, and a little more; `slow` where a period of the forcing is long. @param {Machine} machine @param {Columns & {coordinate: number, slow: boolean}} job */
-export function extent(machine, { row, which, values, coordinate, seed, slow }) {
+/** Where a few orbits have a coordinate, and a little more. @param {Machine} machine @param {Columns & Steps & {coordinate: number}} job */
+export function extent(machine, { row, which, values, coordinate, starts, transient, keep, seed }) {
   const dimension = machine.described.coordinates.length;
-  const starts = slow ? 2 : 6, keep = slow ? 4 : 40, columns = values.length;
+  const columns = values.length;
   const rows = rowsOf(row, which, values);
   const lanes = drawn(machine, rows, values, starts, seed);
-  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient: slow ? 3 : 100 }, ["points"]);
+  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient }, ["points"]);
   let low = Infinity, high = -Infinity;
   for (let q = 0; q < columns * keep; q++) {
     for (let j = 0; j < starts; j++) {
@@ -232,22 +246,22 @@ export function basins(machine, { row, values, transient, keep, tolerance, same 
     if (k === undefined) {
       k = reached.length;
       rows.set(label[j], k);
-      reached.push(described(orbits, classes, starts, keep, j));
+      reached.push(described(orbits, classes, starts, keep, j, two(machine, row) ? between : written));
     }
     which[j] = k;
   }
   return { which, reached };
 }
 
-/** What an orbit is on: period, word, and the point at which the word begins, of several the first in order. @param {any} orbits @param {any} classes @param {number} starts @param {number} keep @param {number} j @returns {Reached} */
-function described({ points, letters }, { period, begin, length }, starts, keep, j) {
+/** What an orbit is on: period, word, and the point at which the word begins, of several the first in order. @param {any} orbits @param {any} classes @param {number} starts @param {number} keep @param {number} j @param {(letters: number[]) => string} spelled @returns {Reached} */
+function described({ points, letters }, { period, begin, length }, starts, keep, j, spelled) {
   const N = period[j], p = length[j], start = keep - N;
   if (N < 1) return { period: N, word: "", point: [] };
   const point = (/** @type {number} */ turn) => [points[2 * turn * starts + j], points[(2 * turn + 1) * starts + j]];
   const turns = Array.from({ length: N / p }, (_, k) => point(start + modulo(begin[j] - 1 - start + k * p, N)));
   turns.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
   const word = Array.from({ length: p }, (_, n) => letters[(start + modulo(begin[j] - start + n, N)) * starts + j]);
-  return { period: N, word: written(word), point: turns[0] };
+  return { period: N, word: spelled(word), point: turns[0] };
 }
 
 /**
@@ -267,14 +281,14 @@ export function exits(machine, job) {
  * @param {{row: Floats, which: number, values: Floats, seed: number, transient: number, keep: number}} job
  */
 export function sweep(machine, { row, which, values, seed, transient, keep }) {
-  const rows = rowsOf(row, which, values), all = drawn(machine, rows, values, 1, seed), width = row.length, wall = machine.fields.indexOf("sigma");
+  const rows = rowsOf(row, which, values), all = drawn(machine, rows, values, 1, seed), width = row.length, phase = row[machine.fields.indexOf("phase")];
   const way = (/** @type {number[]} */ order) => {
     const found = new Float64Array(values.length * keep).fill(NaN);
     let lanes = Float64Array.of(NaN, NaN);
     for (const q of order) {
       const at = rows.subarray(q * width, (q + 1) * width);
       if (!lanes.every(Number.isFinite)) lanes = all.slice(2 * q, 2 * q + 2);
-      lanes[0] = Math.max(lanes[0], at[wall]);
+      lanes[0] = inside(wallsOf(machine.fields, at), lanes[0], phase);
       const { points } = machine.call("orbits", { columns: 1, starts: 1, keep, rows: at, lanes, transient }, ["points"]);
       for (let n = 0; n < keep; n++) found[q * keep + n] = points[2 * n];
       lanes = points.slice(-2);

@@ -160,8 +160,8 @@ function render() {
     control.set(part(state, name));
     if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
-  const had = varied(state.law);
-  for (const name of ["V", "trigger"]) controls[name].box.hidden = !had.includes(name);
+  const had = varied(state);
+  for (const name of ["V", "trigger", "sigma_B", "r_B", "V_B", "trigger_B"]) controls[name].box.hidden = !had.includes(name);
   for (const axis of ["vary", "second"]) controls[axis].offer?.(had);
   controls.window.name?.(state.coordinate);
   if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));

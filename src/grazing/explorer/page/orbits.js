@@ -2,6 +2,7 @@
 /** The orbits that random starts settle on at one parameter value, in words, and the search for them. */
 import { found } from "./jobs.js";
 import { numeral } from "./state.js";
+import { crossings } from "./walls.js";
 
 /** @typedef {import("./jobs.js").Class} Class */
 /** @typedef {Parameters<typeof found>[1]} Asked what is searched */
@@ -14,8 +15,8 @@ const LONGEST = 2e4, FEWEST = 16;
 /** So many periods of the forcing, or fewer where each is long: starts come to rest in time, not in periods. @param {number} periods @param {number} T */
 export const within = (periods, T) => Math.min(periods, Math.max(FEWEST, Math.ceil(LONGEST / T)));
 
-/** What a period of the forcing costs, beside one of the standard set. @param {number} T */
-export const costOf = (T) => Math.max(1, T / 2.9);
+/** What a period of the forcing costs, beside one of the standard set: it is longer, or there are more impacts in it. @param {import("./state.js").State} state */
+export const costOf = (state) => Math.max(1, (2 * Math.PI) / state.omega / 2.9, crossings(state));
 
 /** Finds what random starts settle on: at once where that is quick, else in the pool, so that the page answers meanwhile. */
 export class Search {
@@ -75,11 +76,14 @@ export class Search {
 /** In place of the classes while they are searched. */
 export const SEARCHING = "Looking for what random starts settle on …";
 
+/** The word of a ball that only lies. */
+export const RESTS = /^(S|\(S[AB]\))+$/;
+
 /** The impacts of a class, in words; nothing for a map that does not count them. @param {Class} each */
 function impactsOf({ impacts, word, length, period }) {
   const turns = length !== period ? ` in ${length} periods` : "";
   if (impacts !== null) return impacts === 0 ? ", no impact" : `, ${impacts === 1 ? "one impact" : `${impacts} impacts`}${turns}`;
-  if (/^S+$/.test(word)) return ", at rest on the wall";
+  if (RESTS.test(word)) return ", at rest on the wall";
   return /[CS]/.test(word) ? `, impacts that die away in completed chatter${word.includes("S") ? ", and rest on the wall" : ""}` : "";
 }
 

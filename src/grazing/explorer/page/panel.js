@@ -27,20 +27,21 @@ export function panel(page) {
   more.append(title);
   controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"]], own("law"));
   place("oscillator-sliders").append(controls.law.box);
-  const first = ["offset", "V", "r", "omega", "alpha", "k"];
+  controls.two = toggle("a second wall, above the ball", own("two"));
+  const first = ["offset", "V", "r", "omega", "alpha", "k", "sigma_B", "r_B", "V_B", "trigger_B"];
   for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
     controls[name] = slider(fields[name], OSCILLATOR_EXTENTS[name], own(name), problem);
     (first.includes(name) ? place("oscillator-sliders") : more).append(controls[name].box);
   }
-  place("oscillator-sliders").append(more);
+  place("oscillator-sliders").append(controls.two.box, ...["sigma_B", "r_B", "V_B", "trigger_B"].map((name) => controls[name].box), more);
   const picture = place("picture");
   const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
     controls[name] = control;
     picture.append(control.box);
   };
   const axis = (/** @type {string} */ key, /** @type {string} */ symbol) => pair(symbol, (ends) => change({ [key]: ends }), problem, (text) => {
-    const { law, vary, second } = state();
-    return fromFragment(`version=${VERSION}&law=${law}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
+    const { law, vary, second, two, sigma, sigma_B } = state();
+    return fromFragment(`version=${VERSION}&law=${law}&two=${two ? "yes" : "no"}&sigma=${sigma}&sigma_B=${sigma_B}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
   });
   /** @type {[string, string][]} */
   const axes = VARIED.map((name) => [name, `${WORDS[name]} ${plainSymbol(fields[name])}`]);

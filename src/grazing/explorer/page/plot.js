@@ -196,4 +196,18 @@ export class Axes {
     }
     c.font = FONT;
   }
+
+  /** Say in a corner how far the picture is, if it is one that takes more than half a second. @param {number} share @param {number} begun in milliseconds */
+  progress(share, begun) {
+    if (!(performance.now() - begun > 500)) return;
+    const { context: c, box } = this, text = `${Math.min(99, Math.floor(100 * share))} %`, width = c.measureText(text).width + 10;
+    c.globalAlpha = 0.75;
+    c.fillStyle = theme().paper;
+    c.fillRect(box.x + box.w - width, box.y + 1, width, 20);
+    c.globalAlpha = 1;
+    c.fillStyle = theme().ink;
+    c.textAlign = "right";
+    c.textBaseline = "top";
+    c.fillText(text, box.x + box.w - 5, box.y + 4);
+  }
 }

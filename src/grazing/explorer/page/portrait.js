@@ -9,12 +9,13 @@ const STROKE = 400;
 /** @typedef {ReturnType<typeof import("./flight.js").flown>} Flown */
 /** @typedef {{flight: Flown, colour: string, thin: boolean, name: string}} Orbit what some starts settle on */
 
-/** Stroke a flight, which leaps at the wall. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Flown} flight @param {number} wall */
-function path(axes, c, { times, u, v, hits }, wall) {
+/** Stroke a flight, which leaps at the wall. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Flown} flight */
+function path(axes, c, { times, u, v, hits }) {
   c.beginPath();
   let hit = 0, open = false;
   for (let i = 0; i < times.length; i++) {
     while (hit < hits.length && hits[hit].t <= times[i]) {
+      const wall = axes.x(hits[hit].place);
       if (open) c.lineTo(wall, axes.y(hits[hit].before));
       c.moveTo(wall, axes.y(hits[hit].after));
       hit++;
@@ -35,14 +36,15 @@ function path(axes, c, { times, u, v, hits }, wall) {
 /**
  * Draw a portrait.
  * @param {import("./plot.js").Axes} axes
- * @param {{sigma: number, orbits: Orbit[], colour: string, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, twin: number[] | null, aim: import("./sling.js").Aim | null}} scene
+ * @param {{low: number, high: number, orbits: Orbit[], colour: string, trail: ([number, number] | null)[], place: [number, number], flash: (import("./flight.js").Hit & {at: number})[], playing: boolean, twin: number[] | null, aim: import("./sling.js").Aim | null}} scene
  */
-export function portrait(axes, { sigma, orbits, colour, trail, place: [u, v], flash, playing, twin, aim }) {
+export function portrait(axes, { low, high, orbits, colour, trail, place: [u, v], flash, playing, twin, aim }) {
   const c = axes.begin();
   const shown = theme();
-  const wall = axes.x(sigma);
+  const { x: left, y: top, w, h } = axes.box, faces = [axes.x(low), Math.min(axes.x(high), left + w)];
   c.fillStyle = shown.wall;
-  c.fillRect(axes.box.x, axes.box.y, wall - axes.box.x, axes.box.h);
+  c.fillRect(left, top, faces[0] - left, h);
+  c.fillRect(faces[1], top, left + w - faces[1], h);
   axes.inside(() => {
     c.strokeStyle = shown.line;
     c.beginPath();
@@ -53,7 +55,7 @@ export function portrait(axes, { sigma, orbits, colour, trail, place: [u, v], fl
     for (const orbit of orbits) {
       c.lineWidth = orbit.thin ? 0.7 : 1.8;
       c.strokeStyle = orbit.colour;
-      path(axes, c, orbit.flight, wall);
+      path(axes, c, orbit.flight);
     }
     c.globalAlpha = 1;
     c.lineWidth = 2;
@@ -72,10 +74,11 @@ export function portrait(axes, { sigma, orbits, colour, trail, place: [u, v], fl
   });
   // the bumper, and the impacts of the last moment
   c.fillStyle = shown.faint;
-  c.fillRect(wall - 3, axes.box.y, 3, axes.box.h);
+  c.fillRect(faces[0] - 3, top, 3, h);
+  if (Number.isFinite(high)) c.fillRect(faces[1], top, 3, h);
   const now = performance.now();
   for (const each of flash) {
-    const age = (now - each.at) / 600;
+    const age = (now - each.at) / 600, wall = axes.x(each.place);
     if (age > 1 && playing) continue;
     c.globalAlpha = playing ? 1 - age : 0.8;
     c.strokeStyle = c.fillStyle = shown.graze;
@@ -91,14 +94,14 @@ export function portrait(axes, { sigma, orbits, colour, trail, place: [u, v], fl
     c.lineTo(wall, axes.y(each.after));
     c.stroke();
     c.setLineDash([]);
-    if (age < 0.4 && playing) c.fillRect(wall - 5, axes.box.y, 5, axes.box.h);
+    if (age < 0.4 && playing) c.fillRect(each.wall ? faces[1] : faces[0] - 5, top, 5, h);
     c.globalAlpha = 1;
   }
   if (aim) axes.inside(() => {
     c.strokeStyle = shown.accent;
     c.lineWidth = 2;
     c.setLineDash([5, 4]);
-    path(axes, c, aim.flight, wall);
+    path(axes, c, aim.flight);
     c.setLineDash([]);
   });
   c.fillStyle = aim ? shown.accent : colour;

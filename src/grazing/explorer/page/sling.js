@@ -1,6 +1,7 @@
 // @ts-check
 /** The ball is taken, aimed with its flight before the eyes, and let go: in the portrait or the strip, or by keys. */
 import { flown } from "./flight.js";
+import { inside } from "./walls.js";
 
 /** What is aimed: where the ball begins, the flight from there, and in the strip where the pointer took it. @typedef {{u: number, v: number, flight: ReturnType<typeof flown>, pen: number | null}} Aim */
 
@@ -46,7 +47,7 @@ export class Sling {
 
   /** @param {number} u @param {number} v @param {number | null} pen */
   #at(u, v, pen) {
-    const { view } = this, above = Math.max(u, view.state.sigma);
+    const { view } = this, above = inside(view.state, u, view.state.phase);
     this.aim = { u: above, v, pen, flight: flown(view.machine, view.model, above, v, AHEAD) };
     view.draw();
   }
@@ -65,7 +66,7 @@ export class Sling {
     if (axes === view.axes) return x >= box.x && y >= box.y && y <= box.y + box.h;
     const grips = this.#grips(event, axes);
     if (y > box.y + box.h + GRIP || (event.pointerType === "touch" && !grips)) return false;
-    this.#taken = { y, u: grips ? view.place[0] : Math.max(axes.atY(y), view.state.sigma), pen: Math.min(Math.max(x, box.x + 0.1 * box.w), box.x + 0.9 * box.w) };
+    this.#taken = { y, u: grips ? view.place[0] : inside(view.state, axes.atY(y), view.state.phase), pen: Math.min(Math.max(x, box.x + 0.1 * box.w), box.x + 0.9 * box.w) };
     return true;
   }
 

@@ -2,6 +2,7 @@
 /** The state of the page, and the same as the fragment of a link: `#version=2&view=gap&lam=0.34&...`. */
 
 import { TOUR } from "./tour.js";
+import { ROOM } from "./walls.js";
 
 export const VERSION = "2";
 /** What links of earlier versions left to the defaults of their time. @type {Record<string, object>} */
@@ -25,13 +26,15 @@ export const GAP_EXTENTS = { lam: [0.02, 0.98], l: [0, 1.5], mu: [-0.2, 1.2] };
 export const OSCILLATOR_EXTENTS = {
   alpha: [0, 6], k: [0, 3], omega: [0.2, 6], t0: [0, 6], offset: [-0.5, 0.5], cos1: [-1.5, 1.5], sin1: [-1.5, 1.5],
   cos2: [-1.5, 1.5], sin2: [-1.5, 1.5], cos3: [-1.5, 1.5], sin3: [-1.5, 1.5], sigma: [-0.5, 0.5], r: [0, 1], V: [0, 1.5],
-  trigger: [0, 1], phase: [0, 6],
+  trigger: [0, 1], sigma_B: [-0.5, 1.5], r_B: [0, 1], V_B: [0, 1.5], trigger_B: [0, 1], cos_A: [-0.5, 0.5], sin_A: [-0.5, 0.5], phase: [0, 6],
 };
 
 /** The longest period whose window is drawn. */
 export const LONGEST = 60;
 
-export const VARIED = Object.keys(OSCILLATOR_EXTENTS).filter((name) => name !== "phase");
+/** What sets no axis: the moment of the section, and the motion that both walls have. */
+const SET = ["phase", "cos_A", "sin_A"];
+export const VARIED = Object.keys(OSCILLATOR_EXTENTS).filter((name) => !SET.includes(name));
 
 /**
  * What is shown unless a link says otherwise. `range` and `window` are null while they are found from the orbits, `ball`
@@ -43,6 +46,7 @@ export const DEFAULTS = {
   span: pair(-0.1, 0.6), range: /** @type {Pair | null} */ (null), periods: pair(3, 5),
   alpha: 3, k: 1, omega: 2.2, t0: 0, offset: 0.12, cos1: 1, sin1: 0, cos2: 0, sin2: 0, cos3: 0, sin3: 0,
   sigma: 0, r: 0.8, V: 0.4, trigger: 0, law: "active", phase: 0,
+  two: false, sigma_B: 0.2, r_B: 0.8, V_B: 0.2, trigger_B: 0, cos_A: 0, sin_A: 0,
   vary: "offset", reach: pair(0.05, 0.16), window: /** @type {Pair | null} */ (null), coordinate: "u", reduced: true,
   x0: 0.05, web: 0,
   u0: 0.012, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
@@ -63,7 +67,7 @@ export const later = () => undefined;
 /** @type {Record<string, Pair>} */
 const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transient: [0, 1e6], keep: [1, 1e5], flow_starts: [1, 1000], flow_transient: [0, 1e5], flow_keep: [1, 1e5], seed: [0, 2 ** 53 - 1], chart_columns: [2, 2000], chart_rows: [2, 2000], tour: [0, TOUR.length], answer: [0, 9], web: [0, 400] };
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
-const SWITCHES = ["reduced", "theory", "colour", "twin", "sweeps"];
+const SWITCHES = ["two", "reduced", "theory", "colour", "twin", "sweeps"];
 /** @type {Record<string, string[]>} */
 const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
@@ -76,8 +80,8 @@ const PINNABLE = ["gap", "oscillator"], PASSING = /** @type {const} */ (["pinned
 /** Characters of a note that a link may carry. */
 export const LONGEST_NOTE = 280;
 
-/** The parameters that a diagram can vary: those that the reset law has. @param {string} law */
-export const varied = (law) => VARIED.filter((name) => (name !== "V" || law !== "newton") && (name !== "trigger" || law === "triggered"));
+/** The parameters that a diagram can vary: those that the reset law and the walls have. @param {{law: string, two: boolean}} state */
+export const varied = ({ law, two }) => VARIED.filter((name) => (two || !name.endsWith("_B")) && (law !== "newton" || !/^V/.test(name)) && (law === "triggered" || !name.startsWith("trigger")));
 
 /** The whole of an axis of the oscillator. @param {"reach" | "heights"} axis @param {string} name of its parameter @returns {Pair} */
 export function wholeOf(axis, name) {
@@ -229,11 +233,11 @@ export function fromFragment(fragment, fields) {
  * @param {State} state changed in place @param {Fields} fields @param {string[]} given
  */
 export function mended(state, fields, given = []) {
-  const names = varied(state.law);
+  const names = varied(state);
   /** @type {string[]} */
   const said = [];
   const say = (/** @type {string} */ key, /** @type {string} */ text) => given.includes(key) && said.push(text);
-  const without = (/** @type {string} */ key, /** @type {string} */ name) => say(key, `${key}=${name}; the law ${state.law} has no ${name}`);
+  const without = (/** @type {string} */ key, /** @type {string} */ name) => say(key, `${key}=${name}; ${name.endsWith("_B") && !state.two ? "there is no second wall" : `the law ${state.law} has no ${name}`}`);
   if (!names.includes(state.vary)) {
     without("vary", state.vary);
     Object.assign(state, { vary: DEFAULTS.vary, reach: DEFAULTS.reach, window: null });
@@ -243,8 +247,21 @@ export function mended(state, fields, given = []) {
     state.second = ["r", "omega"].find((name) => name !== state.vary) ?? "r";
     state.heights = wholeOf("heights", state.second);
   }
+  if (state.two && !(state.sigma_B - state.sigma >= ROOM)) {
+    say("sigma_B", `sigma_B=${state.sigma_B}; the second wall is above the first: allowed is sigma_B ≥ ${tidy(state.sigma + ROOM, 1)}`);
+    state.sigma_B = tidy(state.sigma + ROOM, 1);
+  }
   for (const [axis, name] of /** @type {["reach" | "heights", string][]} */ ([["reach", state.vary], ["heights", state.second]])) {
     const why = state[axis].map((end) => refusal(name, end, fields)).filter(Boolean);
+    const [low, high] = state[axis], most = state.sigma_B - ROOM, least = state.sigma + ROOM;
+    if (state.two && name === "sigma" && high > most) {
+      say(axis, `${axis}=${low}:${high}: the second wall is at sigma_B = ${state.sigma_B}`);
+      state[axis] = [tidy(Math.min(low, most - 0.1), 1), tidy(most, 1)];
+    }
+    if (state.two && name === "sigma_B" && low < least) {
+      say(axis, `${axis}=${low}:${high}: the first wall is at sigma = ${state.sigma}`);
+      state[axis] = [tidy(least, 1), tidy(Math.max(high, least + 0.1), 1)];
+    }
     if (!why.length) continue;
     say(axis, `${axis}=${state[axis].join(":")}: ${why[0]}`);
     state[axis] = wholeOf(axis, name);

@@ -4,15 +4,16 @@ import { faded, theme } from "./colours.js";
 import { Past } from "./past.js";
 import { Axes } from "./plot.js";
 import { numeral } from "./state.js";
+import { moved, swing } from "./walls.js";
 
 /**
  * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn; while the
  * ball is aimed, that in their place: the flight that begins at the turn `begins`, of `T` a turn.
- * @typedef {{past: Past, turn: number, section: number, u: number, sigma: number, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
+ * @typedef {{past: Past, turn: number, section: number, u: number, walls: import("./walls.js").Walls, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
  */
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
-const TURN = 84, RIGHT = 96, BALL = 17, WORD = 46, FORCE = 40;
+const TURN = 84, RIGHT = 96, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
 /** Milliseconds for which an impact flashes. */
 const FLASH = 700;
 const FONT = "system-ui, sans-serif";
@@ -30,7 +31,10 @@ export class Strip {
     const { axes } = this, c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
     const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
     const turns = Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
-    axes.span(last - turns, last, scene.sigma, Math.max(scene.top, scene.u));
+    const bottom = scene.walls.sigma - swing(scene.walls), top = Math.max(scene.top, scene.u);
+    // under a ceiling there is room for it and for the ball
+    const above = scene.walls.two ? (CEILING / Math.max(1, box.h - CEILING)) * (top - bottom) : 0;
+    axes.span(last - turns, last, bottom, top + above);
     const width = box.w + RIGHT, floor = box.y + box.h + BALL;
     if (!aim) this.#turns(c, scene, floor);
     this.#bumper(c, scene, width, floor);
@@ -59,21 +63,33 @@ export class Strip {
       if (x >= 0) c.fillRect(x, axes.box.y, 1, floor - axes.box.y);
       if (letter === undefined || middle < 12) continue;
       c.fillStyle = letter === 0 ? shown.faint : colour;
-      c.font = `700 ${letter === 0 ? 24 : 28}px ui-monospace, Menlo, Consolas, monospace`;
+      const said = String(letter).length > 1 ? `(${letter})` : String(letter), font = (/** @type {number} */ size) => (c.font = `700 ${size}px ui-monospace, Menlo, Consolas, monospace`);
+      font(letter === 0 ? 24 : 28);
+      const wide = c.measureText(said).width, room = 0.94 * (axes.x(1) - axes.x(0));
+      if (wide > room) font(Math.max(11, (28 * room) / wide));
       c.textAlign = "center";
       c.textBaseline = "middle";
-      c.fillText(typeof letter === "number" && letter > 9 ? `(${letter})` : String(letter), middle, floor + 7 + WORD / 2);
+      c.fillText(said, middle, floor + 7 + WORD / 2);
     }
   }
 
   /** @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} width @param {number} floor */
-  #bumper(c, { past, turn, live }, width, floor) {
+  #bumper(c, { past, turn, live, walls, T }, width, floor) {
     const { axes } = this, shown = theme();
-    c.fillStyle = shown.faint;
-    c.fillRect(0, floor, width, 7);
-    const last = past.marks.at(-1), age = last ? (performance.now() - last.at) / FLASH : 2;
-    c.fillStyle = faded(shown.graze, live ? Math.max(0.35, 1 - age) : 0.35);
-    c.fillRect(axes.x(turn) - 52, floor, 104, 7);
+    c.lineWidth = 7;
+    for (const [wall, height, off] of [[0, walls.sigma, BALL + 3.5], ...(walls.two ? [[1, walls.sigma_B, -BALL - 3.5]] : [])]) {
+      const last = past.marks.findLast((mark) => mark.wall === wall), age = last ? (performance.now() - last.at) / FLASH : 2;
+      for (const [colour, from, to] of /** @type {[string, number, number][]} */ ([[shown.faint, 0, width], [faded(shown.graze, live ? Math.max(0.35, 1 - age) : 0.35), axes.x(turn) - 52, axes.x(turn) + 52]])) {
+        const steps = swing(walls) ? Math.ceil((to - from) / 4) : 1;
+        c.strokeStyle = colour;
+        c.beginPath();
+        for (let i = 0; i <= steps; i++) {
+          const x = from + ((to - from) * i) / steps, y = axes.y(height + moved(walls, axes.atX(x) * T)[0]) + off;
+          i ? c.lineTo(x, y) : c.moveTo(x, y);
+        }
+        c.stroke();
+      }
+    }
     c.fillStyle = shown.graze;
     c.font = `15px ${FONT}`;
     c.textAlign = "right";
@@ -107,14 +123,14 @@ export class Strip {
   }
 
   /** Impacts, which flash. @param {import("./svg.js").Pen} c @param {Scene} scene */
-  #marks(c, { past, sigma, live }) {
+  #marks(c, { past, live }) {
     const { axes } = this, now = performance.now();
     c.fillStyle = c.strokeStyle = theme().graze;
-    let left = -Infinity;
+    const lasts = [-Infinity, -Infinity];
     for (const mark of past.marks) {
-      const x = axes.x(mark.turn), y = axes.y(sigma) + BALL - 1, age = live ? (now - mark.at) / FLASH : 2;
-      if (x < Math.max(4, left + 2)) continue; // impacts that cannot be told apart are one mark
-      left = x;
+      const x = axes.x(mark.turn), side = mark.wall ? -1 : 1, y = axes.y(mark.place) + side * (BALL - 1), age = live ? (now - mark.at) / FLASH : 2;
+      if (x < Math.max(4, lasts[mark.wall] + 2)) continue; // impacts that cannot be told apart are one mark
+      lasts[mark.wall] = x;
       c.beginPath();
       c.arc(x, y, 5, 0, 7);
       c.fill();
@@ -122,7 +138,7 @@ export class Strip {
       for (const [i, radius] of [12, 21, 30].entries()) {
         c.strokeStyle = faded(theme().graze, age < 1 ? (1 - age) * (1 - i / 4) : 0.25 - i / 14);
         c.beginPath();
-        c.arc(x, y, radius + (age < 1 ? 8 * age : 0), -2.4, -0.74);
+        c.arc(x, y, radius + (age < 1 ? 8 * age : 0), side < 0 ? 0.74 : -2.4, side < 0 ? 2.4 : -0.74);
         c.stroke();
       }
     }
@@ -162,24 +178,24 @@ export class Strip {
   }
 
   /** The flight that is foreseen, and where it begins. @param {import("./svg.js").Pen} c @param {Scene} scene @param {import("./sling.js").Aim} aim */
-  #ahead(c, { turn, T, sigma, colour }, { flight }) {
-    const { axes } = this, { times, hits } = flight, floor = axes.y(sigma);
+  #ahead(c, { turn, T, colour }, { flight }) {
+    const { axes } = this, { times, hits } = flight;
     c.strokeStyle = colour;
     c.lineWidth = 2.5;
     c.setLineDash([7, 5]);
     c.beginPath();
     let hit = 0;
     for (let i = 0; i < times.length; i++) {
-      while (hit < hits.length && hits[hit].t <= times[i]) c.lineTo(axes.x(turn + hits[hit++].t / T), floor);
+      while (hit < hits.length && hits[hit].t <= times[i]) c.lineTo(axes.x(turn + hits[hit].t / T), axes.y(hits[hit++].place));
       const [x, y] = [axes.x(turn + times[i] / T), axes.y(flight.u[i])];
       i ? c.lineTo(x, y) : c.moveTo(x, y);
     }
     c.stroke();
     c.setLineDash([]);
     c.fillStyle = theme().graze;
-    for (const { t } of hits) {
+    for (const { t, wall, place } of hits) {
       c.beginPath();
-      c.arc(axes.x(turn + t / T), floor + BALL - 1, 5, 0, 7);
+      c.arc(axes.x(turn + t / T), axes.y(place) + (wall ? 1 - BALL : BALL - 1), 5, 0, 7);
       c.fill();
     }
   }

@@ -6,6 +6,7 @@ import { Gestures } from "./gestures.js";
 import { CHATTER, linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
 import { ORDERS, numeral } from "./state.js";
+import { still } from "./walls.js";
 import { drawZeroTime, zeroTime } from "./zdm.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -77,6 +78,7 @@ export class StrobeView {
 
   /** @param {State} state */
   show(state) {
+    if (!still(state)) throw new Error("the discontinuity map is that of one wall at rest; take the second wall away, and let the first one rest under “More settings”");
     if (state.line[1] <= state.sigma) throw new Error(`u(0) runs to ${state.line[1]}, behind the wall at ${state.sigma}; choose starts above the wall`);
     this.state = state;
     const { machine } = this;
@@ -95,12 +97,12 @@ export class StrobeView {
   /** The exact flow from the start over the first half of a period, broken at impacts. @param {Floats} row @param {State} state */
   #flow(row, state) {
     const until = Math.PI / state.omega, samples = 400;
-    const start = Float64Array.of(0, 0, state.u0 - state.sigma, state.v0, 0, 0, 0);
+    const start = Float64Array.of(0, 0, state.u0 - state.sigma, state.v0, 0, 0, 0, 0);
     const { result, legs } = this.machine.call("legs", { capacity: 64, row, state: start, until, patience: 1e-6 }, ["legs"]);
-    const flown = legs.subarray(0, Number(result) * 9);
+    const flown = legs.subarray(0, Number(result) * 11);
     /** @type {{t: number, before: number, after: number}[]} */
     const hits = [];
-    for (let k = 0; k < flown.length; k += 9) if (!Number.isNaN(flown[k + 5])) hits.push({ t: flown[k + 4], before: flown[k + 5], after: flown[k + 6] });
+    for (let k = 0; k < flown.length; k += 11) if (!Number.isNaN(flown[k + 5])) hits.push({ t: flown[k + 4], before: flown[k + 5], after: flown[k + 6] });
     const times = linspace(0, until, samples);
     const { u, v } = this.machine.call("sample", { count: Number(result), samples, row, legs: flown, times }, ["u", "v"]);
     const pieces = [/** @type {[number, number][]} */ ([])];

@@ -3,6 +3,7 @@
 import { PRESETS } from "./presets.js";
 import { DEFAULTS } from "./state.js";
 import { SWEEP } from "./sweeps.js";
+import { still } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {Record<string, any>} Raster what a view says of its picture */
@@ -12,13 +13,37 @@ const numbers = (/** @type {number[]} */ list) => `(${list.join(", ")}${list.len
 /** Amplitudes up to the last that is not zero, at least one. @param {State} state @param {"cos" | "sin"} kind */
 function amplitudes(state, kind) {
   const all = /** @type {const} */ ([1, 2, 3]).map((j) => state[`${kind}${j}`]);
+  if (!still(state)) return all; // rounding between walls knows how many there are
   while (all.length > 1 && all.at(-1) === 0 && state.vary !== `${kind}${all.length}` && !(state.view === "chart" && state.second === `${kind}${all.length}`)) all.pop();
   return all;
 }
 
 /** Whether the model is the paper's pinball machine, whose constant force is called d. @param {State} state */
 export function isPinball(state) {
-  return state.law === "active" && amplitudes(state, "cos").length === 1 && amplitudes(state, "sin").length === 1 && state.sin1 === 0 && state.cos1 === 1 && state.sigma === 0 && ![state.vary, ...(state.view === "chart" ? [state.second] : [])].some((name) => /^(sin|cos|sigma)/.test(name));
+  return still(state) && state.law === "active" && amplitudes(state, "cos").length === 1 && amplitudes(state, "sin").length === 1 && state.sin1 === 0 && state.cos1 === 1 && state.sigma === 0 && ![state.vary, ...(state.view === "chart" ? [state.second] : [])].some((name) => /^(sin|cos|sigma)/.test(name));
+}
+
+/** How many numbers a law has. @type {Record<string, number>} */
+const LAWS = { newton: 1, active: 2, triggered: 3 };
+const OWN = ["sigma", "r", "V", "trigger"];
+
+const moves = (/** @type {State} */ { cos_A, sin_A }) => cos_A !== 0 || sin_A !== 0;
+
+/** What a model with walls calls a parameter. @param {State} state @param {string} name */
+function ofWalls({ two }, name) {
+  if (name.endsWith("_B")) return `B.${name.slice(0, -2)}`;
+  return two && OWN.includes(name) ? `A.${name}` : name;
+}
+
+/** What a command calls a parameter. @param {State} state @param {string} name */
+const optionOf = (state, name) => (!still(state) ? ofWalls(state, name) : name === "offset" ? "d" : name);
+
+/** Walls as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied */
+function wallOptions(state, varied) {
+  const own = OWN.slice(0, 1 + LAWS[state.law]), names = state.two ? [...own, ...own.map((name) => `${name}_B`)] : own;
+  const all = names.filter((name) => !varied.includes(name)).map((name) => `${ofWalls(state, name)}=${/** @type {any} */ (state)[name]}`);
+  const motion = moves(state) ? (state.two ? ["A", "B"] : ["A"]).map((name) => ` ${name}.cos=${state.cos_A} ${name}.sin=${state.sin_A}`).join("") : "";
+  return `--walls A=${state.law}${state.two ? `,B=${state.law}` : ""} ${all.join(" ")}${motion}`;
 }
 
 /** The model as a program makes it. @param {State} state */
@@ -26,13 +51,19 @@ function model(state) {
   if (isPinball(state)) {
     return `gz.pinball(alpha=${state.alpha}, k=${state.k}, omega=${state.omega}, t0=${state.t0}, d=${state.offset}, r=${state.r}, V=${state.V})`;
   }
-  const law = /** @type {Record<string, string>} */ ({ newton: `gz.newton(${state.r})`, active: `gz.active(${state.r}, ${state.V})`, triggered: `gz.triggered(${state.r}, ${state.V}, ${state.trigger})` })[state.law];
+  const lawOf = (/** @type {number[]} */ ...own) => `gz.${state.law}(${own.slice(0, LAWS[state.law]).join(", ")})`, law = lawOf(state.r, state.V, state.trigger);
   const cos = amplitudes(state, "cos"), sin = amplitudes(state, "sin");
+  if (!still(state)) {
+    const motion = moves(state) ? `, motion=gz.Forcing(${state.omega}, ${state.t0}, cos=(${state.cos_A},), sin=(${state.sin_A},))` : "";
+    const upper = state.two ? `, gz.wall(${state.sigma_B}, ${lawOf(state.r_B, state.V_B, state.trigger_B)}, side="above"${motion})` : "";
+    return `gz.Oscillator(\n    ${state.alpha}, ${state.k}, forcing=gz.Forcing(${state.omega}, ${state.t0}, ${state.offset}, ${numbers(cos)}, ${numbers(sin)}),\n    walls=[gz.wall(${state.sigma}, ${law}${motion})${upper}],\n)`;
+  }
   return `gz.Oscillator(${state.alpha}, ${state.k}, gz.Forcing(${state.omega}, ${state.t0}, ${state.offset}, ${numbers(cos)}, ${numbers(sin)}), ${law}, ${state.sigma})`;
 }
 
 /** What the model calls a parameter. @param {State} state @param {string} name */
 function calledIn(state, name) {
+  if (!still(state)) return ofWalls(state, name);
   return name === "offset" && isPinball(state) ? "d" : name;
 }
 
@@ -47,13 +78,12 @@ export function isFigure(state, name) {
 /** The oscillator of a state as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied @param {boolean} section whether there is one */
 function options(state, varied, section = true) {
   /** @type {Record<string, number>} */
-  const own = { alpha: state.alpha, k: state.k, omega: state.omega, t0: state.t0, d: state.offset, sigma: state.sigma, r: state.r };
-  if (state.law !== "newton") own.V = state.V;
-  if (state.law === "triggered") own.trigger = state.trigger;
+  const own = { alpha: state.alpha, k: state.k, omega: state.omega, t0: state.t0, [optionOf(state, "offset")]: state.offset };
+  for (const name of still(state) ? OWN.slice(0, 1 + LAWS[state.law]) : []) own[name] = /** @type {any} */ (state)[name];
   if (section) own.phase = state.phase;
-  for (const name of varied) delete own[name === "offset" ? "d" : name];
-  const text = Object.entries(own).map(([name, value]) => `--${name}=${value}`).join(" ");
-  return `${text} --law ${state.law} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
+  for (const name of varied) delete own[optionOf(state, name)];
+  const text = Object.entries(own).map(([name, value]) => `${name === "offset" ? "" : "--"}${name}=${value}`).join(" ");
+  return `${text} ${still(state) ? `--law ${state.law}` : wallOptions(state, varied)} --cos=${amplitudes(state, "cos").join(",")} --sin=${amplitudes(state, "sin").join(",")}`;
 }
 
 /** How many starts and steps the diagram of the view has. @param {State} state */
@@ -134,7 +164,7 @@ export function command(state, raster) {
       return `grazing basins ${grid} --transient ${raster.transient} --keep ${raster.keep} --arithmetic strict ${options(state, [])} -o basins.png`;
     }
     const gap = raster.name === "gap";
-    const axis = (/** @type {number} */ i) => `${raster.names[i] === "offset" ? "d" : raster.names[i]}=${raster.ends[i].join(":")}:${raster.sizes[i]}`;
+    const axis = (/** @type {number} */ i) => `${gap ? raster.names[i] : optionOf(state, raster.names[i])}=${raster.ends[i].join(":")}:${raster.sizes[i]}`;
     const rest = gap ? `--map gap --lam ${state.lam}` : options(state, raster.names);
     return `grazing chart ${axis(0)} ${axis(1)} --starts ${raster.starts} --transient ${raster.transient} --keep ${raster.keep} --seed ${state.seed} --arithmetic strict ${rest} -o chart.png`;
   }
@@ -144,10 +174,10 @@ export function command(state, raster) {
     `grazing density ${name}=${from}:${to}:${state.columns} --bins ${state.bins} --coordinate ${coordinate} --range=${raster.low}:${raster.high} --starts ${starts} --transient ${transient} --keep ${keep} --seed ${state.seed} --arithmetic strict`;
   if (state.view === "gap") return `${study(state.span, "mu", "x")} --map gap --lam ${state.lam} --l ${state.l} -o density.png`;
   if (state.view === "ball" && state.sweeps) {
-    const name = state.vary === "offset" ? "d" : state.vary, { values, transient, keep } = SWEEP;
+    const name = optionOf(state, state.vary), { values, transient, keep } = SWEEP;
     const way = (/** @type {string} */ sweep) => `grazing diagram ${name}=${state.reach.join(":")}:${values} --sweep ${sweep} --starts 1 --transient ${transient} --keep ${keep} --seed ${state.seed} --arithmetic strict ${options(state, [state.vary])} -o ${sweep}.png`;
     return `${way("up")}\n${way("down")}`;
   }
   if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --start=${raster.start} --until=${raster.start + raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [], false)} -o ball.png`;
-  return `${study(state.reach, state.vary === "offset" ? "d" : state.vary, state.coordinate)} ${options(state, [state.vary])} -o density.png`;
+  return `${study(state.reach, optionOf(state, state.vary), state.coordinate)} ${options(state, [state.vary])} -o density.png`;
 }

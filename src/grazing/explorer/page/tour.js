@@ -103,7 +103,7 @@ export const TOUR = [
   },
   {
     title: "Chaos",
-    text: "A passive wall, driven almost three times as fast. Two balls begin close together.",
+    text: "A passive wall, driven almost three times as fast. Think of a second ball that begins close to this one.",
     state: CHAOS,
     question: {
       ask: "How does their distance grow, until it is as large as the motion itself?",

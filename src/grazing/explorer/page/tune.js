@@ -2,6 +2,7 @@
 /** What starts settle on, in a visitor's words. */
 
 import { periodColour } from "./colours.js";
+import { RESTS } from "./orbits.js";
 
 /** @typedef {import("./jobs.js").Class} Class */
 
@@ -13,7 +14,7 @@ const TIMES = ["never", "once", "twice"];
 /** One orbit. @param {Class} each */
 function rhythm({ period, impacts, length, word }) {
   if (period < 1) return "it hits on and on and no tune repeats";
-  if (/^S+$/.test(word)) return "it lies on the bumper";
+  if (RESTS.test(word)) return "it lies on the bumper";
   if (impacts === null) return "its hits come ever faster, without end, until it lies still; then the force lifts it off";
   if (impacts === 0) return "it swings and never hits";
   const hits = TIMES[impacts] ?? `${spelt(impacts)} times`;

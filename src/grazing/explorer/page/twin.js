@@ -3,6 +3,7 @@
 import { Flight } from "./flight.js";
 import { Past } from "./past.js";
 import { numeral } from "./state.js";
+import { inside } from "./walls.js";
 
 /** @typedef {import("./flight.js").Model} Model */
 
@@ -37,9 +38,9 @@ export class Rate {
 
   /**
    * The ball has passed the section.
-   * @param {[number, number]} place where @param {(u: number, v: number) => [number, number]} turn where a state is a turn later @param {number} sigma @param {number} height of the picture
+   * @param {[number, number]} place where @param {(u: number, v: number) => [number, number]} turn where a state is a turn later @param {(u: number) => number} free the nearest place that is not behind a wall @param {number} height of the picture
    */
-  pass([u, v], turn, sigma, height) {
+  pass([u, v], turn, free, height) {
     const small = SMALL * height;
     let [du, dv] = [small, 0];
     if (this.#near) {
@@ -52,7 +53,7 @@ export class Rate {
         if (far > 0) [du, dv] = [((U - u) * small) / far, ((V - v) * small) / far];
       }
     }
-    if (u + du < sigma) [du, dv] = [-du, -dv]; // behind the wall is no state
+    if (free(u + du) !== u + du) [du, dv] = [-du, -dv]; // behind the wall is no state
     this.#near = [u + du, v + dv];
     this.#size = Math.hypot(this.#near[0] - u, this.#near[1] - v);
   }
@@ -84,7 +85,7 @@ export class Twin {
    * @param {import("./machine.js").Machine} machine @param {Model} model @param {import("./flight.js").Thrown} at @param {number} turn of the forcing @param {number} height of the picture
    */
   begin(machine, model, [u, v, time], turn, height) {
-    this.place = [u + NEAR * height, v];
+    this.place = [inside(model.walls, u + NEAR * height, time) === u + NEAR * height ? u + NEAR * height : inside(model.walls, u - NEAR * height, time), v];
     this.flight = new Flight(machine, model, [this.place[0], v, time]);
     this.clock = (/** @type {number} */ t) => turn + t / model.T;
     this.height = height;
@@ -92,11 +93,11 @@ export class Twin {
     this.#left = 0;
   }
 
-  /** Move on with the ball; whether it has been apart from it for so long that it shall begin anew. @param {number} time @param {number} T @param {number} section @param {number} sigma @param {[number, number]} ball */
-  advance(time, T, section, sigma, ball) {
+  /** Move on with the ball; whether it has been apart from it for so long that it shall begin anew. @param {number} time @param {number} T @param {number} section @param {[number, number]} ball */
+  advance(time, T, section, ball) {
     const moved = this.flight?.advance(time, []);
     if (!moved) return true;
-    this.past.add(moved, this.clock, section, sigma, -Infinity);
+    this.past.add(moved, this.clock, section, -Infinity);
     this.place = [moved.u[moved.u.length - 1], moved.v[moved.v.length - 1]];
     if (this.#left || Math.abs(this.place[0] - ball[0]) > APART * this.height) this.#left += time / T;
     return this.#left > LEFT;
