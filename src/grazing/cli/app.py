@@ -286,13 +286,13 @@ def _reworded(error: CycloptsError) -> str:
         return f'Unknown command "{token}". {hint}Commands are {", ".join(known)}.'
     if isinstance(error, UnknownOptionError) and error.argument_collection:
         given = (error.token.keyword or error.token.value).partition("=")[0]
-        known = {name.lstrip("-"): name for argument in error.argument_collection for name in argument.names}
+        bare = {name.lstrip("-"): name for argument in error.argument_collection for name in argument.names}
         word = given.lstrip("-")
-        near = [name for name in known if name.lower() == word.lower()]  # names keep their case: --V is a velocity
-        if said := "" if near else called_here(word, known):
+        near = [name for name in bare if name.lower() == word.lower()]  # names keep their case: --V is a velocity
+        if said := "" if near else called_here(word, bare):
             return f"Unknown option: {given}. Here that is {said}; a rig with a {word} is given by --si."
-        near = near or get_close_matches(word[:200], known, n=1)  # without the dashes, in which all are alike
-        return f"Unknown option: {given}.{f' Did you mean {known[near[0]]}?' if near else ''}"
+        near = near or get_close_matches(word[:200], bare, n=1)  # without the dashes, in which all are alike
+        return f"Unknown option: {given}.{f' Did you mean {bare[near[0]]}?' if near else ''}"
     return str(error)
 
 
