@@ -123,3 +123,10 @@ def test_between_walls_nothing_is_said_of_the_normal_form(shown, address):
     assert "normal form" not in hint and "A below and B above" in hint
     assert not any(each.is_visible() for each in switches)
     assert shown.page.evaluate(height) > 1.5 * low
+
+
+def test_between_walls_velocities_have_true_minus_signs(shown, address):
+    shown.open(f"{address}#version=2&view=ball&two=yes&sigma_B=0.3&columns=20&bins=20")
+    shown.until("() => document.getElementById('summary').textContent.includes('Hits at')")
+    said = next(line for line in shown.page.inner_text("#summary").splitlines() if line.startswith("Hits at"))
+    assert "leaves with −" in said and "-" not in said
