@@ -123,6 +123,8 @@ def test_between_walls_nothing_is_said_of_the_normal_form(shown, address):
     assert "normal form" not in hint and "A below and B above" in hint
     assert not any(each.is_visible() for each in switches)
     assert shown.page.evaluate(height) > 1.5 * low
+    shown.page.evaluate("() => (location.hash = '#version=2&view=oscillator&columns=20&bins=20&sin_A=0.1')")
+    shown.until("() => !explorer.state().two && !/normal form|above/.test(document.getElementById('hint').textContent)")
 
 
 def test_between_walls_velocities_have_true_minus_signs(shown, address):

@@ -170,7 +170,7 @@ function render() {
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
-  typeset($("hint"), (!still(state) && HINTS[`${shown}-walls`]) || HINTS[shown]);
+  typeset($("hint"), (!still(state) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);
