@@ -206,3 +206,37 @@ def test_feet_of_walls_are_counted_and_corners_and_balls_with_a_radius_have_none
     on_bow, drain = gz.segment("stem", (2.5, 2), (3, 2), law), gz.drain("out", (1, 0), (1, 1))
     assert [feet(), feet(drain), feet(stem, rho=0.1)] == [0.0, 0.0, 0.0]
     assert [feet(stem), feet(on_post), feet(on_bow)] == [1.0, 1.0, 1.0]
+
+
+@pytest.mark.parametrize("r", [0.0, 0.7])
+def test_it_meets_no_arc_that_hangs_below_the_wall_on_which_it_ends(r):
+    """Shot exactly at where the arc ends it hit that, certified, and was behind the wall; so it did as it slid by."""
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        turn, radius, lean = random.uniform(-0.6, 0.6), random.uniform(0.05, 0.4), random.uniform(0.2, 2.9)
+        foot, along = random.uniform(-1.0, 1.0, 2), np.array([cos(turn), sin(turn)])
+        up, ends = np.array([-along[1], along[0]]), [(foot - along, foot + along)]
+        # at its end the arc goes on in the direction turn - lean, below the wall
+        start = turn - lean - 0.5 * pi
+        x, y = foot - radius * np.array([cos(start), sin(start)])
+        bow = gz.arc("bow", (x, y), radius, start, start + min(lean, pi - lean), gz.newton(r))
+        table = gz.table([bow, *walls(ends, gz.newton(r))], tilt=0.5 * pi)
+        place, late = foot + random.uniform(-0.5, 0.5) * along + 0.4 * up, 0.5
+        v = (foot - place) / late + np.array([0.0, 0.5 * late])
+        slid_by = foot + 0.4 * np.copysign(1.0, turn) * along + 0.01 * up
+        for state in ((*place, *v), (*slid_by, 0.0, 0.0)):
+            flights = flights_of(table, tuple(map(float, state)), 0.0, 0.7)
+            assert set(flights[:, OWNER]) <= {1.0, -1.0}, (seed, state)
+
+
+def test_exact_decisions_know_that_both_sides_of_a_face_are_one_line():
+    """Shot exactly into a corner with r = 0 it left a face by rounding towards its other side, and slid on that."""
+    b, c, law = (1.7904092244172392, 1.1409328301471438), (1.5136958726453442, -1.172999099034479), gz.newton(0.0)
+    ends = [((2.4012409255460034, 0.9667227146843909), b), (c, b), (c, (2.8798682259989885, 0.42955695579873326))]
+    bow = gz.arc("bow", (2.0718226359702268, 1.329342305896394), 0.3386615401163799, 3.7315620750215666,
+                 3.9610791174857716, law)  # fmt: skip
+    table = gz.table([*walls(ends, law), bow], tilt=1.0)
+    start = 2.0347185454173671, 0.045412263146425769, -0.32995735847712471, 1.7911034365651861
+    flights = flights_of(table, start, 0.0, 5.0)
+    assert flights[0, SURFACE] == 3.0 and 2.0 not in set(np.floor(flights[:, SURFACE]))
+    assert (flights[:, NEXT + 1] < 1.141).all()

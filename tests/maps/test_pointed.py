@@ -51,7 +51,7 @@ def test_a_derivative_by_address_gives_the_bits_of_one_that_is_compiled_in():
         lanes, frames, areas = states.copy(), np.tile(np.eye(2), (n, 1, 1, 1)), np.zeros((n, 1))
         sums, sides = np.zeros((n, 1, 2)), np.ones((n, 1, 2))
         letters, outcomes = np.zeros((n, 1), np.int64), np.zeros((n, 1), np.int64)
-        out = frames, sums, sides, areas, letters, outcomes
+        out = frames, sums, sides, areas, letters, outcomes, states.copy(), np.ones((n, 1, 2), np.int64)
         stretcher(tangent, None, fields, 2)(given, np.ones(2), lanes, 40, *out)
         results.append((lanes, *out))
     for one, other in zip(*results, strict=True):

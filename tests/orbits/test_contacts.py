@@ -340,6 +340,22 @@ def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_para
         assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12) and back.complete
 
 
+def test_a_branch_point_is_not_put_where_newton_s_method_goes_elsewhere():
+    """One was listed at 0.44, outside the range, beside that at 1.30, which was left out."""
+    phi = np.pi - np.arctan(2.0 * 1.8 / (np.pi * 0.2))
+    edge = (0.5 * np.pi**2 - 2.0) * np.sin(phi)
+    model = impact_pair(0.8, 1.1 * edge)
+    P, (orbit,) = gz.stroboscopic_map(model), (one for one in in_turn(model) if one.stable)
+    bounds = 0.4 * edge, 0.6 * edge
+    (broken,) = gz.continuation(P, orbit, "B.sigma", bounds).special
+    other = gz.continuation(P, broken, "B.sigma", bounds)
+    beside = [one for piece in other.pieces for one in piece.orbits if one.admissible and not one.symmetric]
+    for one in sorted(beside, key=lambda one: abs(one.map.params["B.sigma"] - broken.value))[:4]:
+        back = gz.continuation(one.map, one, "B.sigma", (1.300949666867043, 1.3085668114306617), step=0.3)
+        (again,) = (x for x in back.special if x.type == "bp")
+        assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12)
+
+
 def test_harmonics_that_all_repeat_sooner_make_the_symmetry_that_of_their_own_period():
     def box(*sin):
         shake = gz.Forcing(omega=1.0, sin=sin, cos=())

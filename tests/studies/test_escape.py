@@ -71,6 +71,12 @@ def test_a_hole_anywhere_in_the_doubling_map(low, high, known, within):
     assert abs(found.rate - known) < 2.5 * found.error < 2.5 * within
 
 
+def test_copies_that_hardly_part_are_seen_in_those_moved_the_longest_ago():
+    P = gz.Map(doubling, params={"low": 0.25, "high": 0.5}, box=((0.0, 1.0),), name="doubling")
+    found = gz.escape_rate(P, orbits=3000, stir=0.002, threads=1)  # it was 7 errors off
+    assert abs(found.rate - np.log(2.0)) < 2.5 * found.error < 0.3
+
+
 @pytest.mark.parametrize(
     ("table", "known", "transient"), [(three_discs(3.0), ELASTIC, 8), (active_discs(3.0), KICKED, 30)]
 )

@@ -488,3 +488,6 @@ def test_a_cycle_that_repels_is_ambiguous_when_rounding_leads_an_orbit_to_it():
     line = gz.Map(lambda x, p: ((2.0 * x[0]) % 1.0,), box=((0.0, 1.0),))
     assert (lyapunov(line, starts=3).trust.values == 2).all()
     assert (lyapunov(LOGISTIC, "a", [3.2, 3.9], starts=3).trust.values < 2).all()  # attracted, and chaotic
+    tripling = gz.Map(lambda x, p: ((3.0 * x[0]) % 1.0,), box=((0.0, 1.0),))
+    exact, free = 2.0**-10, 0.3  # a cycle of 256 points, more than are kept; doubles hold one of some 2^50
+    assert lyapunov(tripling, starts=[[exact], [free]]).trust.values.tolist() == [2, 1]

@@ -16,7 +16,7 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 from numpy.typing import NDArray
 
-from grazing.billiard.faces import beside_face, body_of, closing, face_corner, slack_of
+from grazing.billiard.faces import beside_face, body_of, closing, face_corner, slack_of, sunk
 from grazing.billiard.joints import at_joints, bare
 from grazing.billiard.march import beside_circle, side_corner
 from grazing.billiard.roots import (
@@ -90,13 +90,14 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
                 surface = 2 * i + side
                 if (corner and sign * way < 0.0) or (slid and beside_face(row, float(sign), *state)):
                     continue
+                if row[SIZE] == 0.0 and left == 2 * i + 1 - side:
+                    continue  # both sides are one line, and it leaves that from the other one
                 if corner:
                     off -= off[0]
-                fresh = left == surface or (left // 2 == i and row[SIZE] == 0.0)
                 seen: tuple[fmpq_poly, ...] = within
                 if bare:
                     seen = closed(within, row, float(sign), corner, shut, slack, left, faces, circles, rows)
-                yield made(surface, owner, sign * off - size, seen, fresh, spread)
+                yield made(surface, owner, sign * off - size, seen, left == surface, spread)
             continue
         surface, h = faces + i, dx * dx + dy * dy - size * size
         if slid and (surface == left or (i >= faces + circles and beside_circle(row, *state))):
@@ -111,8 +112,10 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             fresh = left == surface or (other is not row and (other[OWNER], other[SIZE]) == (row[OWNER], row[SIZE]))
             if row[BARE] > 0.0 and left >= 0 and not fresh:
                 fresh, comes = side_corner(row, x0, y0, vx0, vy0, body_of(left, faces, circles, rows))
-                if comes:
+                begins = sunk(row, left, x0, y0, faces, circles, rows)
+                if comes and not begins:
                     continue
+                fresh = fresh or begins
             yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
 
 

@@ -106,17 +106,25 @@ def from_end(row: Any, x: float, y: float, e: float) -> Any:
     return ends * ex, ends * ey
 
 
-@unit
-def covered(i: int, last: int, x: float, y: float, a: Any, n: Any, faces: int, rows: Any) -> Any:
-    """Say whether another face lies between a face, where both end, and the way ``a`` on a surface with a normal ``n``.
+@inlined
+def from_end_of_arc(row: Any, x: float, y: float, e: float) -> Any:
+    """Return what :func:`from_end` does, of a side of an arc."""
+    dx, dy, size, c = x - row[PX], y - row[PY], row[SIZE], row[COSINE]
+    turn, s = 1.0 if row[MX] * dy - row[MY] * dx >= 0.0 else -1.0, sqrt(max(1.0 - c * c, 0.0))
+    ux, uy = c * row[MX] - turn * s * row[MY], c * row[MY] + turn * s * row[MX]
+    ends = turn if c >= -1.0 and abs(dx - size * ux) + abs(dy - size * uy) <= e else 0.0
+    return ends * uy, -ends * ux
 
-    A ball without a radius that comes this way, or leaves that surface, meets the other one first.
+
+@unit
+def covered(i: int, b: Any, last: int, x: float, y: float, a: Any, n: Any, faces: int, rows: Any) -> Any:
+    """Say whether another face than i lies between two ways from where it ends: ``b``, and ``a`` on a surface.
+
+    ``n`` is the normal of that. A ball without a radius that comes this way, or leaves that surface, meets it first.
     """
-    mine = behind(rows, WIDTH * i)
-    bx, by = from_end(mine, x, y, slack_of(mine, x, y))
-    if bx == 0.0 and by == 0.0:
+    if b[0] == 0.0 and b[1] == 0.0:
         return False
-    turned = turned_from(a, n, bx, by)
+    turned = turned_from(a, n, b[0], b[1])
     for j in range(faces):
         row = behind(rows, WIDTH * j)
         cx, cy = from_end(row, x, y, slack_of(row, x, y))
@@ -127,8 +135,8 @@ def covered(i: int, last: int, x: float, y: float, a: Any, n: Any, faces: int, r
 
 
 @unit
-def shut_off(i: int, last: int, x: float, y: float, faces: int, circles: int, rows: Any) -> Any:
-    """Say whether a face is :func:`covered` to a ball that left a surface where that ends, too."""
+def shut_off(i: int, b: Any, last: int, x: float, y: float, faces: int, circles: int, rows: Any) -> Any:
+    """Say whether a way ``b`` on the face i, or on none, is :func:`covered` to a ball that left a surface's end."""
     if last >= 2 * faces and last < 2 * faces + circles:
         return False
     left = behind(rows, WIDTH * (last // 2 if last < 2 * faces else last - faces))
@@ -140,7 +148,19 @@ def shut_off(i: int, last: int, x: float, y: float, faces: int, circles: int, ro
         far, on = left[SIGN] * sqrt(dx * dx + dy * dy), left[MX] * dx + left[MY] * dy - left[COSINE] * left[SIZE] <= e
         nx, ny, turn = dx / far, dy / far, left[SIGN] if left[MX] * dy - left[MY] * dx < 0.0 else -left[SIGN]
         ax, ay = (-turn * ny, turn * nx) if on else (0.0, 0.0)
-    return (ax != 0.0 or ay != 0.0) and covered(i, last, x, y, (ax, ay), (nx, ny), faces, rows)
+    return (ax != 0.0 or ay != 0.0) and covered(i, b, last, x, y, (ax, ay), (nx, ny), faces, rows)
+
+
+@unit
+def sunk(row: Any, last: int, x: float, y: float, faces: int, circles: int, rows: Any) -> Any:
+    """Say whether a side of an arc begins where a ball without a radius has left a surface, and lies behind that.
+
+    Or behind a face that ends there: the ball does not meet it where it is.
+    """
+    e = CORNER * GAP * EPS * (abs(x) + abs(y) + abs(x - row[PX]) + abs(y - row[PY]) + row[SIZE])
+    b = from_end_of_arc(row, x, y, e)  # (0, 0) is neither below nor covered
+    rise, _middle = joint(last, faces, circles, rows, x, y, b[0], b[1], e)
+    return rise < -RISES or shut_off(-1, b, last, x, y, faces, circles, rows)
 
 
 @inlined
@@ -170,7 +190,7 @@ def face_corner(
     e, foot, leaves = slack_of(row, x, y), ex * dx + ey * dy, ey * vx - ex * vy
     if abs(ey * dx - ex * dy) > e:
         return False, 0.0, False
-    shut = shut_off(i, last, x, y, faces, circles, rows)
+    shut = shut_off(i, from_end(row, x, y, e), last, x, y, faces, circles, rows)
     body = body_of(last, faces, circles, rows)
     way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
     far = 1.0 if foot > 0.5 * row[LONG] else 0.0

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.faces import CORNER, STOP, body_of, ended, nearer, of_other_faces, of_some_face
+from grazing.billiard.faces import CORNER, STOP, body_of, ended, nearer, of_other_faces, of_some_face, sunk
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
 from grazing.billiard.gaps import (
     EPS,
@@ -192,15 +192,21 @@ def of_sides(
         if slid and beside_circle(behind(rows, WIDTH * i), x, y, vx, vy):
             found = back_on(found, base + i, x, y, vx, vy, g, faces, circles, start)
             continue
-        row, fresh, passed = behind(rows, WIDTH * i), last == base + i, False
+        row, fresh, passed, begins = behind(rows, WIDTH * i), last == base + i, False, False
         if not fresh and last >= base:  # without a radius both sides are one circle
             other = behind(rows, WIDTH * (last - base))
             passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
         if row[BARE] > 0.0 and last >= 0 and not fresh and not passed:
             passed, behind_it = side_corner(row, x, y, vx, vy, body_of(last, faces, circles, start))
-            if behind_it:
+            begins = sunk(row, last, x, y, faces, circles, start)
+            if begins:  # it is on the side to which it moves
+                rate = row[SIGN] * ((x - row[PX]) * vx + (y - row[PY]) * vy)
+                bend = row[SIGN] * (vx * vx + vy * vy - g * (y - row[PY]))
+                fresh = rate > 0.0 or (rate == 0.0 and bend >= 0.0)
+                passed = not fresh
+            elif behind_it:
                 continue
-        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, found[1] + found[2])
+        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, begins, found[1] + found[2])
         if said & STOP:
             return ended(found, base + i, t, said)
         found = found[0], found[1], found[2], found[3], found[4] | said

@@ -28,13 +28,13 @@ from grazing.billiard.elements import (
     turns_at,
     width_of,
 )
-from grazing.billiard.faces import covered
+from grazing.billiard.faces import RISES, covered, from_end, from_end_of_arc, slack_of
 from grazing.billiard.hit import first_turning, rows_of
-from grazing.billiard.rows import CIRCLES, FACES, GRAVITY
+from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, WIDTH
 from grazing.billiard.swept import horizon, swept
 from grazing.billiard.swing import swing
 from grazing.kernel.elementary import arccos, arctan2
-from grazing.kernel.primitives import inlined, unit
+from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import AMBIGUOUS, OK
 
 INFINITY = float("inf")
@@ -109,6 +109,22 @@ def meets(el: Any, at: int, s: float, x: float, y: float, why: int, width: float
     return to[0] == 0.0 and is_bare(at, to, table) and gap_of(to, x, y) <= 3.0 * apart(to, el, x, y)
 
 
+@unit
+def hidden(
+    surface: int, el: Any, other: int, to: Any, x: float, y: float, way: float, width: float, table: Any
+) -> Any:  # fmt: skip
+    """Say whether what ends where a ball without a radius comes on a surface lies behind that, or behind a face."""
+    rows, faces, i, (nx, ny) = rows_of(table), int(table[FACES]), -1, normal_of(el, x, y)
+    if to[0] == 0.0:
+        i = other // 2
+        row = behind(rows, WIDTH * i)
+        b, back = from_end(row, x, y, slack_of(row, x, y)), not rises(to, x, y, nx, ny)
+    else:
+        b = from_end_of_arc(behind(rows, WIDTH * (other - faces)), x, y, 4.0 * width)
+        back = nx * b[0] + ny * b[1] < -RISES
+    return back or covered(i, b, surface, x, y, (way * ny, -way * nx), (nx, ny), faces, rows)
+
+
 @inlined
 def touched(el: Any, other: Any, x: float, y: float, nx: float, ny: float, way: float, width: float) -> Any:
     """Return whether a surface that the ball touches lets it pass: HITS, ONTO, or STAYS for free."""
@@ -168,12 +184,8 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
         fx, fy = along(el, x, y, way, s)
         if not holds(to, fx, fy, 4.0 * width):
             continue
-        if how == HITS and to[0] == 0.0 and is_bare(other, to, table):
-            mx, my = normal_of(el, fx, fy)
-            if not rises(to, fx, fy, mx, my):  # its back, beyond its end
-                continue
-            if covered(other // 2, surface, fx, fy, (way * my, -way * mx), (mx, my), int(table[FACES]), rows_of(table)):
-                continue
+        if how == HITS and is_bare(other, to, table) and hidden(surface, el, other, to, fx, fy, way, width, table):
+            continue
         if at >= 0 and abs(s - best) <= width and how == HITS and why == HITS:
             if to[1] != element(at, clock, table)[1]:
                 flags |= AMBIGUOUS

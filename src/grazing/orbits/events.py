@@ -23,6 +23,9 @@ VANISHED = 1e-6
 HALVES, MIRRORS = -2, -3
 #: Events that are no farther apart, in scaled coordinates, happen at one place.
 AT_ONCE = 1e-9
+#: The chord between two points is so much shorter than the way to what Newton's method finds where it goes elsewhere;
+#: and so often it is then tried from half as far away.
+ELSEWHERE, NEARER = 2.0, 6
 #: An orbit and its mirror image that differ by less, in scaled unknowns, are one: symmetric.
 ALIKE = 1e-7
 
@@ -140,14 +143,17 @@ def located(
     """
     seen: dict[float, tuple[Point, float]] = {0.0: (a, height(a))}
 
-    def at(s: float) -> float:
+    def at(s: float, tries: int = NEARER) -> float:
         near = min(seen, key=lambda other: abs(other - s))
         if near != s:
             base = seen[near][0]
             ahead = (s - near) / max(float(base.tangent @ along), 0.1)
             point = point_at(equations, plane_point(a, along, s, base.z + ahead * base.tangent), along, base.z)
-            if point is None:
-                raise ArithmeticError
+            if point is None or np.linalg.norm(point.z - a.z) > ELSEWHERE * length:
+                if tries == 0:
+                    raise ArithmeticError
+                at(0.5 * (near + s), tries - 1)
+                return at(s, tries - 1)
             seen[s] = point, height(point)
         return seen[s][1]
 

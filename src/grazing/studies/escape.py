@@ -26,6 +26,8 @@ Floats = NDArray[np.float64]
 KEPT = 10
 #: Steps since an orbit was last moved, counted up to these; and the share of orbits, moved the longest ago, that count.
 AGES, OLDEST = 16, 0.05
+#: By how many of its own errors the rate of orbits moved still longer ago differs where more than chance is in it.
+CLEARLY = 3.0
 #: By how much each orbit is moved at each step: x -> 2 x mod 1 does not round, and runs out of digits after 53 steps.
 DIGITS = 2.0**-40
 
@@ -43,7 +45,8 @@ class EscapeRate(ByValue):
     lost : int
         Orbits that ended otherwise than by escaping; they count neither as staying nor as escaping.
     drift : float
-        By how much the rate differs where orbits count half as many steps after they were moved.
+        By how much the rate differs where orbits count half as many steps after they were moved; or, where that is
+        more than chance, only those that were moved longer ago.
     """
 
     rates: Floats
@@ -119,9 +122,10 @@ def escape_rate(
     impacts only exp(-rate n) of all balls are left. A copy is moved a little, or it would do as its original does; one
     that is moved over an edge of the density, such as that of a hole, or off what never leaves, stays longer or less
     long than it should. So only orbits that were last moved some steps ago count: as many steps as leave a twentieth of
-    all, or 16. Where half as many give another rate, that ``drift`` is part of the error, for decays that are no
-    exponentials, too. Copies have to part within these steps: a ``stir`` below some 0.01 hides the drift of maps that
-    lose most orbits. Orbits are not independent; populations are. One in which few orbits stay then has copies of
+    all, or 16. Where half as many, or clearly more, give another rate, that ``drift`` is part of the error, for
+    decays that are no exponentials, too. Copies have to part within these steps: with a ``stir`` below some 0.01 the
+    drift of maps that lose most orbits shows in the few that were moved the longest ago, if there are ``orbits`` enough
+    to tell it from chance. Orbits are not independent; populations are. One in which few orbits stay then has copies of
     these, of which more stay than of all: a mean of logarithms of shares is too large by some part of 1/``orbits``. So
     each population counts as many times as orbits would be left in it without copies, over the last 10 steps, and the
     jackknife over populations takes away what is left of that error and says the statistical one. All orbits of maps
@@ -233,12 +237,18 @@ def rates_of(stayed: Floats, gone: Floats, warm: int) -> tuple[Floats, float]:
         stood = logs[:, max(0, k - KEPT) : k].sum(axis=1)
         weights = np.exp(stood - stood.max())
         each += (weights / weights.sum())[:, None] * older[:, :, k]
-    share = each[1].sum(axis=0) / each[1, :, 0].sum()
-    age = int(np.flatnonzero((share >= OLDEST) & each[0].all(axis=0))[-1])
-    each = each[:, :, [age, age // 2]]
-    rate, half = -np.log(np.divide(*each.sum(axis=1)))
-    without = -np.log(np.divide(*(each.sum(axis=1, keepdims=True) - each)))[:, 0]
-    return many * rate - (many - 1) * without, abs(float(rate - half))
+    share, known = each[1].sum(axis=0) / each[1, :, 0].sum(), each[0].all(axis=0)
+    age = int(np.flatnonzero((share >= OLDEST) & known)[-1])
+    each = each[:, :, known]  # the ages to which orbits of all populations stayed
+    rate = -np.log(np.divide(*each.sum(axis=1)))
+    rates = many * rate - (many - 1) * -np.log(np.divide(*(each.sum(axis=1, keepdims=True) - each)))
+    stay, both = older[:, :, warm:, : len(rate)].sum(axis=(1, 2))
+    apart, noise = np.abs(rate - rate[age]), np.sqrt((both - stay) / (stay * both))
+    noise = np.maximum(noise, (rates - rates[:, age, None]).std(axis=0, ddof=1) / np.sqrt(many))
+    drift = abs(float(rate[age] - rate[age // 2]))
+    if (apart > CLEARLY * noise)[age:].any():
+        drift = max(drift, float((apart - noise)[age:].max()))
+    return rates[:, age], drift
 
 
 def escape(

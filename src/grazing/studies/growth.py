@@ -118,17 +118,20 @@ def stretcher(
     Returns
     -------
     callable
-        ``run(rows, unit, lanes, steps, frames, sums, sides, areas, letters, outcomes)``: lanes (columns, dim, n) are
-        advanced by ``steps`` with their frames (columns, n, dim, dim), in units (dim,); logarithms are added to sums
-        (columns, n, dim), what is not yet there is multiplied up in sides (columns, n, dim), logarithms of determinants
-        are added to areas (columns, n), letters to letters (columns, n), and outcomes (columns, n) are folded.
+        ``run(rows, unit, lanes, steps, frames, sums, sides, areas, letters, outcomes, marks, spans)``: lanes (columns,
+        dim, n) are advanced by ``steps`` with their frames (columns, n, dim, dim), in units (dim,); logarithms are
+        added to sums (columns, n, dim), what is not yet there is multiplied up in sides (columns, n, dim), logarithms
+        of determinants are added to areas (columns, n), letters to letters (columns, n), and outcomes (columns, n) are
+        folded. Marks (columns, dim, n) are states to which an orbit may come back, to the last bit; spans (columns, n,
+        2) the steps since, and after how many the next one is marked, twice as many each time (Brent, BIT 20 (1980)
+        176-184): 0 once it has come back.
     """
     unpack, zero = unpacker(kind), (0.0,) * dimension
     constants = prepare if prepare is not None else _same
 
     def run(
         rows: Any, unit: Any, lanes: Any, steps: int, frames: Any, sums: Any, sides: Any, areas: Any, letters: Any,
-        outcomes: Any,
+        outcomes: Any, marks: Any, spans: Any,
     ) -> None:  # fmt: skip
         square = dimension, dimension, 1
         frame, image = np.empty(square), np.empty(square)
@@ -149,6 +152,16 @@ def stretcher(
                     carried(dimension, J, unit, frame, image, 0)
                     orthonormal(dimension, image, frame, side, 0)
                     relieved(total, side, 1)
+                    back = True
+                    for i in range(dimension):
+                        back = back and lanes[q, i, j] == marks[q, i, j]
+                    spans[q, j, 0] += 1
+                    if back:
+                        spans[q, j, 1] = 0
+                    elif spans[q, j, 0] == spans[q, j, 1]:
+                        spans[q, j, 0], spans[q, j, 1] = 0, 2 * spans[q, j, 1]
+                        for i in range(dimension):
+                            marks[q, i, j] = lanes[q, i, j]
                 for i in range(dimension):
                     sums[q, j, i], sides[q, j, i] = total[i, 0], side[i, 0]
                     for k in range(dimension):

@@ -14,7 +14,7 @@ from grazing.kernel.compile import call
 from grazing.maps.columns import Columns
 from grazing.maps.derivative import STEP
 from grazing.maps.map import Map
-from grazing.outcome import InputError
+from grazing.outcome import AMBIGUOUS, InputError
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.classify import AMBIGUOUS_TRUST, ENDED, settled_columns
@@ -91,6 +91,7 @@ def lyapunov(
         For a map of a model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name,
         "start"): ``period``, ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`. An orbit on a
         cycle that repels is *ambiguous*: rounding has put it there, as 2 x mod 1 takes every double to 0, or holds it.
+        Cycles longer than ``keep`` are noticed up to a third of ``steps``, where orbits come back to the last bit.
 
     References
     ----------
@@ -203,8 +204,10 @@ def _measure(
         many = periods.astype(np.float64)
         yield
     else:
-        exponent, error, first, last, letters, outcomes = yield from of_orbits(P, rows, states, steps)
+        exponent, error, first, last, letters, outcomes, again = yield from of_orbits(P, rows, states, steps)
         arrays["outcome"][part] |= outcomes
+        doubtful = (again & (exponent[:, 0] > REPELS)) | ((outcomes & AMBIGUOUS) != 0)
+        arrays["trust"][part] = np.where(doubtful, AMBIGUOUS_TRUST, arrays["trust"][part])
         many = np.full(len(states), float(steps))
     rounding = ROUNDED if P.tangent is None and P.origin.derivative is None else 0.0
     arrays["exponent"][part], arrays["exponent_error"][part] = exponent, np.hypot(error, rounding)
@@ -268,7 +271,8 @@ def completed(exponents: Floats, total: Floats) -> Floats:
 def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
     """Measure the exponents of orbits.
 
-    An iterator that returns exponents, their errors, first and last states, letters, outcomes.
+    An iterator that returns exponents, their errors, first and last states, letters, outcomes, and which orbits came
+    back to a state, to the last bit.
     """
     n, d = states.shape
     derived, who = P.derivative(rows), f"the step of {P.name}"
@@ -277,7 +281,9 @@ def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
     frames, areas = np.tile(np.eye(d), (n, 1, 1, 1)), np.zeros((n, 1))
     sums, sides = np.zeros((n, 1, d)), np.ones((n, 1, d))
     letters, outcomes = np.zeros((n, 1), np.int64), np.zeros((n, 1), np.int64)
-    found = frames, sums, sides, areas, letters, outcomes
+    marks, spans = lanes.copy(), np.ones((n, 1, 2), np.int64)
+    spans[..., 0] = 0
+    found = frames, sums, sides, areas, letters, outcomes, marks, spans
     call(entry, rows, unit, lanes, WARM, *found, who=who)
     first, tile = lanes[:, :, 0].copy(), max(1, TILE // n)
     sums[np.isfinite(sums)], sides[...], areas[np.isfinite(areas)], letters[...] = 0.0, 1.0, 0.0, 0
@@ -289,7 +295,7 @@ def of_orbits(P: Map, rows: Floats, states: Floats, steps: int) -> Any:
             yield
         grown[i], total[i] = (sums + np.log(sides))[:, 0], areas[:, 0]
     exponents, errors = completed(grown[-1], total[-1]) / steps, errors_of(grown, total, ends)
-    return exponents, errors, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0]
+    return exponents, errors, first, lanes[:, :, 0], letters[:, 0], outcomes[:, 0], spans[:, 0, 1] == 0
 
 
 def errors_of(grown: Floats, total: Floats, ends: Ints) -> Floats:
