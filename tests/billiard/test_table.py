@@ -141,6 +141,17 @@ def test_sizes_whose_fourth_powers_are_no_doubles_are_refused():
     assert np.ptp(seen, axis=0) == pytest.approx([0.0] * 3, abs=1e-9)
 
 
+def test_a_ball_as_small_as_rounding_is_refused():
+    """At 1e-12 it left closed rooms, certified: its circles around the ends of faces were narrower than rounding."""
+    for size in (1e-6, 1.0, 1000.0):
+        wall = gz.segment("wall", (0, 0), (3.0 * size, 0), ELASTIC)
+        with pytest.raises(gz.InputError, match="give 0 or at least") as told:
+            gz.table([wall], 1e-12 * size)
+        least = float(str(told.value).rpartition(" ")[2])
+        assert 2e-12 < least / size < 4e-12 and gz.table([wall], least).rho == least
+    assert gz.table([wall], 0.0).rho == 0.0
+
+
 def test_crossing_and_distance_know_no_unit():
     for size in (2.0**-600, 1.0, 2.0**600):
         one, two, three = (
