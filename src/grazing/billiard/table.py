@@ -310,11 +310,12 @@ class Table(ByValue):
                         f"{other.name} and {one.name} overlap by {-room:g}; objects may touch: move one, or make it "
                         "smaller"
                     )
-        lines = [one for one in others if one.kind == SEGMENT]
+        lines = [one for one in others if one.kind == SEGMENT or self.rho == 0.0]
         for i, one in enumerate(lines):
             for other in lines[:i]:
                 if crosses(one, other):
-                    raise InputError(f"{other.name} and {one.name} cross; let one end at the other")
+                    bare = ", as the ball has no radius" if ARC in (one.kind, other.kind) else ""
+                    raise InputError(f"{other.name} and {one.name} cross; let one end at the other{bare}")
 
 
 def padded(blocks: Sequence[Floats]) -> Floats:
@@ -375,7 +376,7 @@ def table(
     ------
     InputError
         For no objects or too many, names that collide, a value out of range, a disc that overlaps something, or
-        segments that cross.
+        segments that cross; so do arcs, to a ball without a radius.
 
     Examples
     --------
