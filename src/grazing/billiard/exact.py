@@ -108,7 +108,8 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
         elif i < faces + circles:
             yield made(surface, owner, h, (), left == surface, spread * spread)
         else:
-            within, clear = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,), ()
+            within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
+            clear: tuple[fmpq_poly, ...] = ()
             other = rows[WIDTH * (left - faces) :][:WIDTH] if left >= 2 * faces + circles else row
             fresh = left == surface or (other is not row and (other[OWNER], other[SIZE]) == (row[OWNER], row[SIZE]))
             if row[BARE] > 0.0 and left >= 0 and not fresh:
