@@ -10,6 +10,7 @@ import xarray as xr
 
 import grazing as gz
 from grazing import theory
+from grazing.outcome import FATAL
 from grazing.studies.growth import LEAST, MOST, carried, orthonormal, relieved, summed
 from grazing.studies.lyapunov import WARM, lyapunov, plan
 from grazing.studies.plan import empty_arrays, labelled
@@ -491,3 +492,12 @@ def test_a_cycle_that_repels_is_ambiguous_when_rounding_leads_an_orbit_to_it():
     tripling = gz.Map(lambda x, p: ((3.0 * x[0]) % 1.0,), box=((0.0, 1.0),))
     exact, free = 2.0**-10, 0.3  # a cycle of 256 points, more than are kept; doubles hold one of some 2^50
     assert lyapunov(tripling, starts=[[exact], [free]]).trust.values.tolist() == [2, 1]
+
+
+def test_an_orbit_that_ends_while_it_is_measured_has_ended():
+    """Just beyond a = 4 orbits of the logistic map stay for hundreds of steps before they leave for good."""
+    found = lyapunov(LOGISTIC.replace(a=4.00001), starts=20, transient=10, keep=20)
+    ended = (found.outcome.values & FATAL) != 0
+    assert 0 < ended.sum() < 20
+    assert (found.period.values == np.where(ended, -2, -1)).all()
+    assert (np.isnan(found.exponent.values[:, 0]) == ended).all()

@@ -14,7 +14,7 @@ from grazing.kernel.compile import call
 from grazing.maps.columns import Columns
 from grazing.maps.derivative import STEP
 from grazing.maps.map import Map
-from grazing.outcome import AMBIGUOUS, InputError
+from grazing.outcome import AMBIGUOUS, FATAL, InputError
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.classify import AMBIGUOUS_TRUST, ENDED, settled_columns
@@ -206,6 +206,7 @@ def _measure(
     else:
         exponent, error, first, last, letters, outcomes, again = yield from of_orbits(P, rows, states, steps)
         arrays["outcome"][part] |= outcomes
+        arrays["period"][part] = np.where(outcomes & FATAL, ENDED, arrays["period"][part])
         doubtful = (again & (exponent[:, 0] > REPELS)) | ((outcomes & AMBIGUOUS) != 0)
         arrays["trust"][part] = np.where(doubtful, AMBIGUOUS_TRUST, arrays["trust"][part])
         many = np.full(len(states), float(steps))
