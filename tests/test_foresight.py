@@ -142,6 +142,19 @@ def test_preimages_that_would_be_followed_for_hours_are_refused():
             call(101)
 
 
+def test_preimages_go_on_from_those_before_them(monkeypatch):
+    """Each order was followed again from the touch: 40 of them took 1.5 million flights."""
+    from grazing.orbits import touches
+
+    flights, flown_back = [], touches.flown_back
+    monkeypatch.setattr(
+        touches, "flown_back", lambda seen, lines: (flights.append(len(lines)), flown_back(seen, lines))
+    )
+    free = gz.pinball(alpha=0, k=1.3, r=0.95, V=0, d=0.12)
+    gz.grazing_curve(free, preimages=30, points=50)
+    assert 1000 < sum(flights) < 20_000
+
+
 def test_checks_that_would_run_for_hours_are_refused():
     G = gz.gap_map(0.8, 0.1, 0.2)
     for call, given in (

@@ -7,6 +7,7 @@ import time
 import tomllib
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -28,6 +29,16 @@ VALUES = st.recursive(
 def test_toml_comes_back_as_it_was(plain, table):
     config = {**{f"k{name}": value for name, value in plain.items()}, "table": table}
     assert tomllib.loads(toml_of(config)) == config
+
+
+def test_numbers_of_numpy_come_back_and_what_toml_cannot_write_is_refused():
+    """Text was made of them: np.float64(0.1), "b'chart'", "None"."""
+    table = {"d": np.float64(0.1), "N": np.int64(3), "on": np.bool_(True), "row": np.array([1.0, 2.0]), "p": Path("a")}
+    plain = {"d": 0.1, "N": 3, "on": True, "row": [1.0, 2.0], "p": "a"}
+    assert tomllib.loads(toml_of({**table, "table": table})) == {**plain, "table": plain}
+    for wrong in (b"chart", None, 1j, {1}, [None]):
+        with pytest.raises(InputError, match="give numbers, texts, lists and tables"):
+            toml_of({"study": wrong})
 
 
 def test_a_configuration_comes_back_as_it_was(tmp_path):

@@ -133,3 +133,11 @@ def test_slopes_and_orbits_are_the_same_in_every_unit_of_length(unit):
         assert P.jacobian((x * unit,))[0, 0] == pytest.approx(slope, rel=1e-6)
     (orbit,) = gz.periodic_orbits(P, word="L", starts=100)
     assert orbit.points[0, 0] / unit == pytest.approx(-0.45 / 2.29, rel=1e-12)
+
+
+def test_rows_of_another_shape_are_refused():
+    """A kernel read parameters behind the end of the array."""
+    P = gz.Map(lambda x, p: (p.a * x[0] + p.b,), {"a": 0.5, "b": 0.1})
+    for rows in (np.ones((2, 1)), np.ones(2), np.ones((1, 2), int), [[0.5, 0.1]], None):
+        with pytest.raises(gz.InputError, match=r"rows is .*shape \(columns, 2\)"):
+            P.derivative(rows)

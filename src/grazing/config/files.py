@@ -84,6 +84,8 @@ def _key(key: Any) -> str:
 
 def _value(value: Any) -> str:
     """Return a value as TOML writes it: text, numbers, lists and tables of them."""
+    if hasattr(value, "tolist"):  # of NumPy
+        value = value.tolist()
     if isinstance(value, bool):
         return str(value).lower()
     if isinstance(value, (int, float)):
@@ -92,5 +94,7 @@ def _value(value: Any) -> str:
         return "{ " + ", ".join(f"{_key(name)} = {_value(item)}" for name, item in value.items()) + " }"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(_value(item) for item in value) + "]"
-    written = json.dumps(str(value), ensure_ascii=False)  # what no terminal should get is written as its number
+    if not isinstance(value, (str, os.PathLike)):
+        raise InputError(f"{shown(value)} in a configuration; give numbers, texts, lists and tables")
+    written = json.dumps(os.fspath(value), ensure_ascii=False)  # what no terminal should get is written as its number
     return "".join(letter if letter.isprintable() else f"\\U{ord(letter):08x}" for letter in written)

@@ -493,6 +493,9 @@ class Map(ByValue):
         That is the map's ``tangent``, compiled once for all reset laws or systems where there is one, else central
         differences. Where a step is long, or one's own, kernels get no more of it than an address.
         """
+        each = self.packed()[1]  # kernels read so many numbers of a row, whatever there is
+        if not isinstance(rows, np.ndarray) or rows.dtype != each.dtype or rows.shape[1:] != each.shape:
+            raise InputError(f"rows is {shown(rows)}; give an array of floats, shape (columns, {len(each)})")
         if self.origin.derivative is not None:
             given = self.origin.derivative(rows)
         else:

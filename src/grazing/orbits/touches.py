@@ -83,51 +83,53 @@ def stirred(code: NDArray[np.uint64], step: Any) -> NDArray[np.uint64]:
 
 def traced(model: Oscillator, phase: float, back: Floats, window: Ints, orders: int) -> Leaves:
     """Follow touches at times T - back through ``orders`` periods back, every branch of the inverse law."""
-    period, seen = model.period, Seen.at(model, phase)
-    lines = np.zeros((len(back), 4))
-    lines[:, BACK] = back
-    which = np.arange(len(back))
-    code = stirred(np.zeros(len(back), np.uint64), window.astype(np.uint64))
-    ancestor, impacts, hop = np.full((len(back), 2), np.nan), np.zeros(len(back), np.int64), period - back
+    seen, n = Seen.at(model, phase), len(back)
+    leaves = Leaves(
+        back=back, window=window, order=np.full(n, -1), code=stirred(np.zeros(n, np.uint64), window.astype(np.uint64)),
+        state=np.zeros((n, 2)), ancestor=np.full((n, 2), np.nan), impacts=np.zeros(n, np.int64),
+        hop=model.period - back,
+    )  # fmt: skip
     found = []
-    for order in range(orders + 1):
-        count = np.zeros(len(lines), np.int64)  # impacts in this period
-        done = []
-        for _ in range(MAX_IMPACTS + 1):
-            flown_back(seen, lines)
-            hit = lines[:, HIT] > 0.0
-            done.append((lines[~hit], which[~hit], code[~hit], ancestor[~hit], impacts[~hit], hop[~hit]))
-            lines, which, code, ancestor = lines[hit], which[hit], code[hit], ancestor[hit]
-            impacts, hop, count = impacts[hit], hop[hit], count[hit]
-            if order == 0:
-                hop = np.where(impacts == 0, lines[:, BACK] - back[which], hop)
-                impacts = impacts + 1
-            speeds = impacts_before(seen, -lines[:, CLIMB])
-            speeds[hop < SHORTEST * period] = np.nan
-            i, branch = np.nonzero(speeds > 0.0)
-            lines = lines[i]
-            lines[:, CLIMB] = speeds[i, branch]
-            which, code, ancestor = which[i], stirred(code[i], branch + 1), ancestor[i]
-            impacts, hop, count = impacts[i], hop[i], count[i]
-            if len(lines) == 0 or len(lines) > MAX_LINES:
-                break
-        lines, which, code, ancestor, impacts, hop = (np.concatenate(column) for column in zip(*done, strict=True))
-        if order == 0:
-            ancestor = np.column_stack([lines[:, HEIGHT], -lines[:, CLIMB]])
-        state = np.column_stack([lines[:, HEIGHT], -lines[:, CLIMB]])
-        code = stirred(code, 1_000_003)
-        good = np.isfinite(state).all(axis=1)
-        n = int(good.sum())
-        found.append(
-            Leaves(
-                back=back[which[good]], window=window[which[good]], order=np.full(n, order), code=code[good],
-                state=state[good], ancestor=ancestor[good], impacts=impacts[good], hop=hop[good],
-            )
-        )  # fmt: skip
-        lines, which, code = lines[good].copy(), which[good], code[good]
-        ancestor, impacts, hop = ancestor[good], impacts[good], hop[good]
-        lines[:, BACK] = 0.0
+    for _ in range(orders + 1):
+        leaves = before(seen, leaves)
+        found.append(leaves)
     return Leaves.joined(found)
+
+
+def before(seen: Seen, leaves: Leaves) -> Leaves:
+    """Follow states of one order through the period before their strobe; those of order -1 begin at their touch."""
+    period, first = seen.model.period, bool((leaves.order < 0).any())
+    lines = np.zeros((len(leaves), 4))
+    lines[:, HEIGHT], lines[:, CLIMB] = leaves.state[:, 0], -leaves.state[:, 1]
+    if first:
+        lines[:, BACK] = leaves.back
+    which, code, impacts, hop = np.arange(len(leaves)), leaves.code, leaves.impacts, leaves.hop
+    done = []
+    for _ in range(MAX_IMPACTS + 1):
+        flown_back(seen, lines)
+        hit = lines[:, HIT] > 0.0
+        done.append((lines[~hit], which[~hit], code[~hit], impacts[~hit], hop[~hit]))
+        lines, which, code, impacts, hop = lines[hit], which[hit], code[hit], impacts[hit], hop[hit]
+        if first:
+            hop = np.where(impacts == 0, lines[:, BACK] - leaves.back[which], hop)
+            impacts = impacts + 1
+        speeds = impacts_before(seen, -lines[:, CLIMB])
+        speeds[hop < SHORTEST * period] = np.nan
+        i, branch = np.nonzero(speeds > 0.0)
+        lines = lines[i]
+        lines[:, CLIMB] = speeds[i, branch]
+        which, code, impacts, hop = which[i], stirred(code[i], branch + 1), impacts[i], hop[i]
+        if len(lines) == 0 or len(lines) > MAX_LINES:
+            break
+    lines, which, code, impacts, hop = (np.concatenate(column) for column in zip(*done, strict=True))
+    state = np.column_stack([lines[:, HEIGHT], -lines[:, CLIMB]])
+    good = np.isfinite(state).all(axis=1)
+    state, which = state[good], which[good]
+    return Leaves(
+        back=leaves.back[which], window=leaves.window[which], order=leaves.order[which] + 1,
+        code=stirred(code[good], 1_000_003), state=state, ancestor=state if first else leaves.ancestor[which],
+        impacts=impacts[good], hop=hop[good],
+    )  # fmt: skip
 
 
 class Ruler:
@@ -240,10 +242,10 @@ def refined(model: Oscillator, phase: float, orders: int, points: int, ruler: Ru
     """Return all states of all orders, from touches so close that curves are smooth and ends are where they are."""
     spots, windows = first_touches(model, phase, points)
     spacing, room = SPACING / points, PATIENCE * points
-    leaves = traced(model, phase, spots, windows, 0)
+    leaves, seen = traced(model, phase, spots, windows, 0), Seen.at(model, phase)
     for order in range(orders + 1):
         if order > 0:
-            leaves = traced(model, phase, spots, windows, order)
+            leaves = Leaves.joined([leaves, before(seen, leaves.at(leaves.order == order - 1))])
         while True:
             here = np.flatnonzero(crowded(leaves, spots, windows, ruler, spacing, orders))
             middle = 0.5 * (spots[here] + spots[here + 1])
