@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.billiard.flown import BEFORE, FLAGS, NEXT, OWNER, PATH, SURFACE, TIME, flights_of
+from grazing.billiard.flown import BEFORE, FLAGS, LAST, NEXT, OWNER, PATH, SURFACE, TIME, flights_of
 from grazing.billiard.rows import FEET
 from grazing.outcome import AMBIGUOUS, ESCAPED, NO_IMPACT
 
@@ -240,3 +240,33 @@ def test_exact_decisions_know_that_both_sides_of_a_face_are_one_line():
     flights = flights_of(table, start, 0.0, 5.0)
     assert flights[0, SURFACE] == 3.0 and 2.0 not in set(np.floor(flights[:, SURFACE]))
     assert (flights[:, NEXT + 1] < 1.141).all()
+
+
+def test_without_gravity_it_flies_along_a_wall_past_an_arc_that_hangs_behind_it():
+    """With r = 0 it flew along the wall, hit the end of the arc there, certified, and was behind the wall."""
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        turn, lean, foot = random.uniform(-pi, pi), random.uniform(0.2, 2.9), random.uniform(-1.0, 1.0, 2)
+        along, start = np.array([cos(turn), sin(turn)]), turn - lean - 0.5 * pi
+        centre = foot - 0.2 * np.array([cos(start), sin(start)])
+        bow = gz.arc("bow", centre, 0.2, start, start + min(lean, pi - lean), gz.newton(0.0))
+        table = gz.table([bow, *walls([(foot - along, foot + along)], gz.newton(0.0))])
+        place = foot - 0.6 * along + 0.1 * np.array([-along[1], along[0]])
+        flights = flights_of(table, (*place.tolist(), *(foot - 0.3 * along - place).tolist()), 0.0, 9.0)
+        assert flights[:, OWNER].tolist() == [1.0, -1.0], seed
+
+
+@pytest.mark.parametrize("r", [0.7, 1.0])
+def test_an_arc_that_begins_on_a_wall_lies_on_that_side_on_which_it_begins(r):
+    """Its middle, beyond the line of the wall, told: shot into the joint a ball came out behind the wall."""
+    for seed in range(20):
+        random = np.random.default_rng(seed)
+        lean, turn, foot = random.uniform(0.2, 0.4), random.uniform(-pi, pi), random.uniform(-1.0, 1.0, 2)
+        along, up = np.array([cos(turn), sin(turn)]), np.array([-sin(turn), cos(turn)])
+        # it comes down past the end of the wall, at twice the sine of the lean
+        begin, end = turn + lean + 0.5 * pi, sin(lean)
+        bow = gz.arc("bow", foot - np.array([cos(begin), sin(begin)]), 1.0, begin - 6.0 * lean, begin, gz.newton(r))
+        table = gz.table([bow, *walls([(foot - along, foot + end * along)], gz.newton(r))])
+        place = foot - random.uniform(0.1, 0.5) * along + 0.4 * up
+        flights = flights_of(table, (*place.tolist(), *(foot - place).tolist()), 0.0, 9.0)
+        assert flights[-1, LAST - 2 : LAST] @ up > 0.0, seed

@@ -1,7 +1,7 @@
 """Tables: parameters, what is refused, distances."""
 
 import pickle
-from math import pi, sin, sqrt
+from math import cos, pi, sin, sqrt
 
 import numpy as np
 import pytest
@@ -139,6 +139,39 @@ def test_sizes_whose_fourth_powers_are_no_doubles_are_refused():
             assert len(times) > 5 and found.outcome == "ok"
             seen.append(times[:3])
     assert np.ptp(seen, axis=0) == pytest.approx([0.0] * 3, abs=1e-9)
+
+
+def test_a_ball_as_small_as_rounding_is_refused():
+    """At 1e-12 it left closed rooms, certified: its circles around the ends of faces were narrower than rounding."""
+    for size in (1e-6, 1.0, 1000.0):
+        wall = gz.segment("wall", (0, 0), (3.0 * size, 0), ELASTIC)
+        with pytest.raises(gz.InputError, match="give 0 or at least") as told:
+            gz.table([wall], 1e-12 * size)
+        least = float(str(told.value).rpartition(" ")[2])
+        assert 2e-12 < least / size < 4e-12 and gz.table([wall], least).rho == least
+    assert gz.table([wall], 0.0).rho == 0.0
+
+
+def test_arcs_that_cross_something_are_refused_where_the_ball_has_no_radius():
+    """They put it behind walls, certified; those that touch, end on something or go on in it are no such arcs."""
+    wall, lane = gz.segment("wall", (-2, 0), (2, 0), ELASTIC), gz.segment("lane", (-3, -1), (0, -1), ELASTIC)
+    bow = gz.arc("bow", (0, 0.3), 0.5, pi, 2.0 * pi, ELASTIC)
+    for other in (gz.arc("B", (0.4, -0.3), 0.5, -1.0, 2.0, ELASTIC), wall):
+        with pytest.raises(gz.InputError, match="cross; let one end at the other, as the ball has no radius"):
+            gz.table([other, bow])
+        assert gz.table([other, bow], 0.1).rho == 0.1
+    for turn in np.linspace(0.0, 6.0, 25):
+        c, s = cos(turn), sin(turn)
+        touching = [
+            [lane, gz.arc("bowl", (0, 0), 1.0, 1.5 * pi, 1.5 * pi + turn / 6.1 + 0.01, ELASTIC)],
+            [gz.segment("floor", (-3, -1), (3, -1), ELASTIC), gz.arc("ring", (0, 0), 1.0, 0.0, 2.0 * pi, ELASTIC)],
+            [gz.segment("wall", (3.0 * c, 3.0 * s), (5.0 * c, 5.0 * s), ELASTIC),
+             gz.arc("foot", (3.0 * c + s, 3.0 * s - c), 1.0, turn + 0.5 * pi, turn + 2.0, ELASTIC)],
+            [gz.arc("one", (0, 0), 1.0, turn, turn + 2.0, ELASTIC),
+             gz.arc("next", (2.0 * c, 2.0 * s), 1.0, turn + pi, turn + 4.0, ELASTIC)],
+        ]  # fmt: skip
+        for objects in touching:
+            assert gz.table(objects).rho == 0.0
 
 
 def test_crossing_and_distance_know_no_unit():

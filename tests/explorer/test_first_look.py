@@ -108,3 +108,27 @@ def test_growth_is_told_in_words(shown, address):
         if "million times" in shown.page.inner_text("#parted"):
             break
     assert "e+" not in shown.page.inner_text("#parted") and "million times" in shown.page.inner_text("#parted")
+
+
+def test_between_walls_nothing_is_said_of_the_normal_form(shown, address):
+    """It is that of one wall at rest: neither hint nor switches speak of windows, and the diagram has their room."""
+    shown.open(f"{address}#version=2&view=oscillator&columns=20&bins=20")
+    height = "() => document.getElementById('flow-diagram').getBoundingClientRect().height"
+    low = shown.page.evaluate(height)
+    switches = [shown.page.locator(f"text={words}") for words in ("windows of theory", "reduced diagram below")]
+    assert "normal form" in shown.page.inner_text("#hint") and all(each.is_visible() for each in switches)
+    shown.page.click("text=a second wall, above the ball")
+    shown.settle()
+    hint = shown.page.inner_text("#hint")
+    assert "normal form" not in hint and "A below and B above" in hint
+    assert not any(each.is_visible() for each in switches)
+    assert shown.page.evaluate(height) > 1.5 * low
+    shown.page.evaluate("() => (location.hash = '#version=2&view=oscillator&columns=20&bins=20&sin_A=0.1')")
+    shown.until("() => !explorer.state().two && !/normal form|above/.test(document.getElementById('hint').textContent)")
+
+
+def test_between_walls_velocities_have_true_minus_signs(shown, address):
+    shown.open(f"{address}#version=2&view=ball&two=yes&sigma_B=0.3&columns=20&bins=20")
+    shown.until("() => document.getElementById('summary').textContent.includes('Hits at')")
+    said = next(line for line in shown.page.inner_text("#summary").splitlines() if line.startswith("Hits at"))
+    assert "leaves with −" in said and "-" not in said

@@ -200,8 +200,13 @@ def test_letters_are_characters_that_a_word_can_be_read_from(letters):
 @pytest.mark.parametrize("escape", ["10", None, 1j, [1], -1.0, 0, np.nan, 10**400, np.array([1, 2])])
 def test_a_place_from_which_orbits_escape_is_a_positive_number(escape):
     """-1 let every orbit escape at once, and a text failed in the compiler."""
-    with pytest.raises(gz.InputError, match="escape"):
+    with pytest.raises(gz.InputError, match=r"escape.*; with inf, none does"):
         gz.Map(step, params={"a": 0.5}, escape=escape)
+
+
+@pytest.mark.parametrize("number", [float, np.float32, np.float64, np.longdouble])
+def test_orbits_may_escape_nowhere(number):
+    assert type(gz.Map(step, params={"a": 0.5}, escape=number(np.inf)).escape) is float
 
 
 @pytest.mark.long

@@ -112,12 +112,17 @@ def test_bits_do_not_depend_on_the_size_of_a_block(way, n):
 @pytest.mark.parametrize("threads", [1, 2])
 @pytest.mark.parametrize("way", [("block", "fast"), ("scalar", "strict")])
 def test_bits_do_not_depend_on_how_many_blocks_are_a_tile(monkeypatch, way, threads):
-    columns = np.tile(np.arange(len(ROWS)), 8)  # 56 blocks of two columns each: several in a task
+    columns = np.tile(np.arange(len(ROWS)), 8)  # 56 blocks of two columns each, eight in a task
     starts = starts_of(170, seed=5)
     alone = part(flown(way, ROWS, starts, 2, 2), columns, slice(None))
+    monkeypatch.setattr("grazing.maps.blocks.TASKS", 4)
     for blocks in (1, 3, 8):
-        monkeypatch.setattr("grazing.maps.blocks.paced", lambda _blocks, _spent, paced=blocks: paced)
+        tiles = []
+        monkeypatch.setattr(
+            "grazing.maps.blocks.paced", lambda flown, _spent, paced=blocks, tiles=tiles: tiles.append(flown) or paced
+        )
         assert same(flown(way, ROWS[columns], starts[columns], 2, 2, threads=threads), alone)
+        assert set(tiles) == {1, blocks}
 
 
 def test_tiles_grow_where_they_are_short_and_shrink_where_they_are_long():

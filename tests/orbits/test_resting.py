@@ -168,3 +168,13 @@ def test_an_orbit_that_is_released_twice_a_period_is_followed_over_one_wall():
     branch = continuation(P, orbit, "r", (0.0, 0.9))
     (onset,) = (one for one in branch.special if one.type == "ch")
     assert onset.converged and onset.value > 0.2 and all(one.residual < 1e-9 for one in branch)
+
+
+def test_a_gap_in_the_rest_between_two_points_of_a_branch_is_an_end(monkeypatch):
+    """A step is up to three times as long as this gap: what lies between points is looked at."""
+    low, high, true = -0.482, -0.474, RestEquations.broken
+    monkeypatch.setattr(RestEquations, "broken", lambda self, x, p: "gap" if low < p[0] < high else true(self, x, p))
+    orbit = resting(gz.pinball(V=0.0, r=0.3, d=-0.2))
+    branch = continuation(orbit.map, orbit, "d", (-0.9, -0.1))
+    assert [(one.type, one.value) for one in branch.special] == [("ch", pytest.approx(high, abs=1e-9))]
+    assert min(piece.values.min() for piece in branch.pieces) >= high

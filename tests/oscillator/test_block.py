@@ -12,7 +12,7 @@ from grazing.oscillator.constants import forcing
 from grazing.oscillator.exact import exact_period
 from grazing.oscillator.flight import anchored, flight, modes
 from grazing.outcome import AMBIGUOUS, CHATTER, FATAL, STUCK
-from tests.models import MODELS, model_of, packed
+from tests.models import MODELS, PLAIN, model_of, packed
 from tests.reference import PROBLEMS, advance, load_dips
 
 ARITHMETICS = ("strict", "fast")
@@ -85,7 +85,7 @@ TOGETHER = (
 
 
 def table_of(names, **changes):
-    models = [MODELS[name].replace(**changes) for name in names]
+    models = [PLAIN[name].replace(**changes) for name in names]
     P = gz.stroboscopic_map(models[0])
     return P, models, np.array([list(gz.stroboscopic_map(m).params.values()) for m in models])
 

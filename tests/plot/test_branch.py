@@ -103,3 +103,16 @@ def test_a_line_goes_on_where_an_impact_crosses_the_strobe_but_not_where_the_coo
     assert ends["u", True] == [(0.0, 1.0)]
     assert ends["u", False] == [(0.0, 0.625), (0.625, 1.0)]  # each word in its colour
     assert ends["v", True] == ends["v", False] == [(0.0, 0.5), (0.625, 1.0)]
+
+
+def test_a_line_has_gaps_where_two_impacts_cross_the_strobe_in_steps_beside_each_other():
+    """Two leaps of a size, each was the measure of the other: a line was drawn through values that no orbit has."""
+    at = np.arange(8.0)
+    word = np.array(["(AB)"] * 3 + ["(BA)"] + ["(AA)"] * 4)
+    one = np.ones(8, int)
+    columns = {"stable": one, "admissible": one, "event": 0 * one, "piece": 0 * one, "period": one, "word": word}
+    table = xr.Dataset({name: ("point", values) for name, values in (columns | {"p": at}).items()})
+    table["v"] = ("point", "one"), (0.1 * at + (at > 2.0) + (at > 3.0))[:, None]
+    _figure, (ax,) = plot.panels()
+    lines = drawn(table, ax, "p", "v", True)
+    assert [(line.get_xdata()[0], line.get_xdata()[-1]) for line in lines] == [(0.0, 2.0), (4.0, 7.0)]

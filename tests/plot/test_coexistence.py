@@ -78,6 +78,16 @@ def test_changes_are_marked_halfway_and_relabellings_are_hollow():
     assert plot.coexistence(result.isel(change=slice(0)))["changes"] == {}
 
 
+def test_changes_of_several_kinds_at_one_place_are_above_each_other():
+    result = results.coexistence()
+    result["before"][:], result["after"][:] = result["before"][0], result["after"][0]
+    drawn = plot.coexistence(result)["changes"]
+    heights = [set(line.get_ydata()) for line in drawn.values()]
+    assert all(len(one) == 1 for one in heights) and len(set.union(*heights)) == len(drawn) == 5
+    apart = np.diff([min(one) for one in heights]).min()
+    assert apart > max(line.get_markersize() for line in drawn.values())
+
+
 def test_lifetimes_are_lines():
     result = results.coexistence()
     drawn = plot.coexistence(result, of="lifetime")

@@ -72,6 +72,38 @@ def test_many_swings_are_drawn_finer_than_they_are_apart(of):
     assert widths[-1] >= 0.25 and sizes[-1] >= 0.8  # still seen
 
 
+def test_marks_of_a_coarse_sample_stand_where_walls_are_hit_and_its_flights_end_there():
+    shake = gz.Forcing(omega=2.0, cos=(0.3,))
+    walls = [gz.wall(x, gz.newton(0.6), motion=shake) for x in (-0.5, 0.5)]
+    m = gz.Oscillator(alpha=0.1, k=1, forcing=gz.Forcing(omega=2.0, cos=(1.0,)), walls=walls)
+    coarse = gz.sample(gz.trajectory(m, (0.0, 0.0), until=20.0), 2.0)
+    hits, struck = coarse.impact_time.values, coarse.impact_wall.values == "B"
+    expected = m.places_at(hits)[0][struck.astype(int), np.arange(len(hits))]
+    (marks,) = gz.plot.history(coarse)["impacts"]
+    np.testing.assert_array_equal(marks.get_ydata(), expected)
+    low, high = marks.axes.get_ylim()
+    assert low < expected.min() and expected.max() < high
+    drawn = gz.plot.trajectory(coarse)
+    assert [line.get_xdata()[0] for line in drawn["impacts"]] == expected.tolist()
+    assert np.isnan(drawn["flights"].get_xdata()).sum() == len(hits) > 10
+
+
+def test_a_system_of_ones_own_in_u_and_v_is_drawn_with_its_own_impacts():
+    floor = gz.Surface("A", lambda t, state, p: (state[0] + 0.1 * t, state[1] + 0.1), lambda t, w, state, p: 1.0)
+
+    def fall(t, t0, state, p):
+        s = t - t0
+        return state[0] + (state[1] - 0.5 * s) * s, state[1] - s
+
+    ball = gz.System(("u",), ("v",), {"r": 0.5}, fall, [floor], ((0.1, 0.3), (-0.3, 0.3)), period=1.0)
+    flown = gz.trajectory(ball, (0.2, 0.0), until=1.5)
+    at, after = (flown[name].sel(coordinate=one).values for name, one in (("before", "u"), ("after", "v")))
+    drawn = gz.plot.history(flown)
+    assert drawn["wall"] is None and drawn["impacts"][0].get_ydata().tolist() == at.tolist() != []
+    assert gz.plot.history(flown, of="v")["impacts"][1].get_ydata().tolist() == after.tolist()
+    assert [line.get_ydata()[1] for line in gz.plot.trajectory(flown)["impacts"]] == after.tolist()
+
+
 def made_up(amplitude, harmonics=1, lines=1000):
     """A spectrum with ten lines an order."""
     frequency = 0.7 * np.arange(lines)

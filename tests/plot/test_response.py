@@ -46,6 +46,17 @@ def test_special_points_are_marked_and_named_on_the_figure_and_in_the_legend(res
     assert (low, high) == pytest.approx((13.0, 16.5), abs=0.51)
 
 
+def test_sweeps_that_differ_at_one_value_are_shaded_as_wide_as_its_cell(result):
+    values = result[result.amplitude.dims[0]].values
+    alone = result.isel(difference=[0]).assign(
+        difference_low=("difference", values[[4]]), difference_high=("difference", values[[4]])
+    )
+    (band,) = response(alone)["differences"]
+    assert band.get_x() == 0.5 * (values[3] + values[4])
+    assert band.get_x() + band.get_width() == pytest.approx(0.5 * (values[4] + values[5]), rel=1e-12)
+    assert response(alone.isel({result.amplitude.dims[0]: slice(5, None)}))["differences"] == []
+
+
 def test_names_cover_neither_each_other_nor_marks_where_points_crowd():
     P = gz.stroboscopic_map(gz.pinball(V=0.4))
     crowded = gz.bifurcation_diagram(P, "d", np.linspace(0.09, 0.14, 60), starts=5)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from math import atan2, cos, hypot, pi, sin
+from collections.abc import Mapping
+from math import atan2, cos, hypot, pi, sin, sqrt
 
 from grazing.billiard.flippers import distance_from, least_on_line
 from grazing.billiard.objects import ARC, DISC, FLIPPER, SEGMENT, Thing
@@ -45,7 +46,10 @@ def room_of(flipper: Thing, other: Thing, angle: float) -> float:
 
 
 def crosses(one: Thing, other: Thing) -> bool:
-    """Say whether two segments cross between their ends."""
+    """Say whether two segments or arcs cross between their ends."""
+    if ARC in (one.kind, other.kind):
+        arc, cut = (one, other) if one.kind == ARC else (other, one)
+        return pierces(arc.shape, cut)
 
     def sides(a: Thing, b: Thing) -> float:
         p, q = a.shape, b.shape
@@ -56,3 +60,38 @@ def crosses(one: Thing, other: Thing) -> bool:
         return 1.0 if min(abs(one), abs(two)) <= SLACK * size or (one > 0.0) == (two > 0.0) else -1.0
 
     return sides(one, other) < 0.0 and sides(other, one) < 0.0
+
+
+def pierces(arc: Mapping[str, float], other: Thing) -> bool:
+    """Say whether an arc crosses a segment or another arc, and does not just touch it or end there."""
+    x, y, radius, shape = arc["x"], arc["y"], arc["radius"], other.shape
+    if other.kind == ARC:
+        dx, dy, size = shape["x"] - x, shape["y"] - y, radius + shape["radius"]
+        far = hypot(dx, dy)
+        if far <= SLACK * size:
+            return False
+        nx, ny, bend = dx / far, dy / far, shape["radius"]
+        foot = 0.5 * (far + (radius - bend) * (radius + bend) / far)
+        sharp = far / (radius * bend)
+    else:
+        ex, ey = shape["x2"] - shape["x1"], shape["y2"] - shape["y1"]
+        length = hypot(ex, ey)
+        nx, ny, size = ey / length, -ex / length, radius + length
+        foot, sharp = nx * (shape["x1"] - x) + ny * (shape["y1"] - y), 1.0 / radius
+    slack = SLACK * (size + abs(x) + abs(y))
+    if abs(foot) >= radius - slack:
+        return False
+    half = sqrt((radius - foot) * (radius + foot))
+    wide = slack / (half * sharp)  # along both, as they cross at an angle of the sine half sharp
+    places = [(x + nx * foot - ny * s, y + ny * foot + nx * s) for s in (half, -half)]
+    return any(between(arc, *place, wide) and between(shape, *place, wide) for place in places)
+
+
+def between(shape: Mapping[str, float], x: float, y: float, wide: float) -> bool:
+    """Say whether a place on the line or the circle of a segment or an arc is surely between its ends."""
+    if "radius" in shape:
+        turned = (atan2(y - shape["y"], x - shape["x"]) - shape["start"]) % (2.0 * pi)
+        return wide < turned * shape["radius"] < (shape["stop"] - shape["start"]) * shape["radius"] - wide
+    ex, ey = shape["x2"] - shape["x1"], shape["y2"] - shape["y1"]
+    length = hypot(ex, ey)
+    return wide < ((x - shape["x1"]) * ex + (y - shape["y1"]) * ey) / length < length - wide

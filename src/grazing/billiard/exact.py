@@ -16,7 +16,8 @@ import numpy as np
 from flint import fmpq, fmpq_poly
 from numpy.typing import NDArray
 
-from grazing.billiard.faces import beside_face, body_of, closing, face_corner, slack_of, sunk
+from grazing.billiard.faces import at_sunk, beside_face, body_of, closing, end_of_arc, face_corner, slack_of, sunk
+from grazing.billiard.gaps import DEEP
 from grazing.billiard.joints import at_joints, bare
 from grazing.billiard.march import beside_circle, side_corner
 from grazing.billiard.roots import (
@@ -108,15 +109,26 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             yield made(surface, owner, h, (), left == surface, spread * spread)
         else:
             within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
+            clear: tuple[fmpq_poly, ...] = ()
             other = rows[WIDTH * (left - faces) :][:WIDTH] if left >= 2 * faces + circles else row
             fresh = left == surface or (other is not row and (other[OWNER], other[SIZE]) == (row[OWNER], row[SIZE]))
             if row[BARE] > 0.0 and left >= 0 and not fresh:
-                fresh, comes = side_corner(row, x0, y0, vx0, vy0, body_of(left, faces, circles, rows))
-                begins = sunk(row, left, x0, y0, faces, circles, rows)
+                fresh, comes = side_corner(row, x0, y0, vx0, vy0, body_of(left, faces, circles, rows, x0, y0))
+                ends = sunk(row, -1.0, left, faces, circles, rows), sunk(row, 1.0, left, faces, circles, rows)
+                begins = at_sunk(row, ends, x0, y0, slack_of(row, x0, y0))
                 if comes and not begins:
                     continue
                 fresh = fresh or begins
-            yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)
+                clear = tuple(apart(row, turn, dx, dy) for turn, end in zip((-1.0, 1.0), ends, strict=True) if end)
+            yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)._replace(clear=clear)
+
+
+def apart(row: Floats, turn: float, dx: fmpq_poly, dy: fmpq_poly) -> fmpq_poly:
+    """Return where a ball is not at an end of an arc, whose centre it sees (dx, dy) away: the gap of a circle."""
+    x, y, _bx, _by = end_of_arc(row, turn)
+    wide = exact(DEEP * slack_of(row, x, y))
+    ex, ey = dx - exact(x - row[PX]), dy - exact(y - row[PY])
+    return ex * ex + ey * ey - wide * wide
 
 
 def closed(

@@ -20,6 +20,8 @@ STOP = FATAL | STUCK
 CORNER = 4.0
 #: The sine of an angle below which a face goes on along a surface, and does not rise from it.
 RISES = 2.0**-40
+#: The part of a surface that tells near its end on which side of another one it is.
+CLOSE = 2.0**-10
 
 
 @inlined
@@ -44,15 +46,25 @@ def ended(found: Any, surface: int, t: float, flags: int) -> Any:
 
 
 @inlined
-def body_of(surface: int, faces: int, circles: int, rows: Any) -> Any:
-    """Return a point of what lies at a surface: in a corner it says on which side of the other one the ball is."""
+def body_of(surface: int, faces: int, circles: int, rows: Any, x: float, y: float) -> Any:
+    """Return a point of what lies at a surface: in a corner it says on which side of the other one the ball is.
+
+    It is near to a place at which the surface ends; else it is in the middle.
+    """
     if surface < 0:
         return 0.0, 0.0
-    if surface < 2 * faces:
-        row = behind(rows, WIDTH * (surface // 2))
-        return row[PX] + 0.5 * row[LONG] * row[EX], row[PY] + 0.5 * row[LONG] * row[EY]
-    row = behind(rows, WIDTH * (surface - faces))
-    far = row[SIZE] if surface >= 2 * faces + circles else 0.0
+    face, side = surface < 2 * faces, surface >= 2 * faces + circles
+    row = behind(rows, WIDTH * (surface // 2 if face else surface - faces))
+    e = slack_of(row, x, y)
+    if face:
+        bx, by = from_end(row, x, y, e)
+        part = 0.5 - (0.5 - CLOSE) * (bx * row[EX] + by * row[EY])
+        return row[PX] + part * row[LONG] * row[EX], row[PY] + part * row[LONG] * row[EY]
+    (bx, by), turned = from_end_of_arc(row, x, y, e), CLOSE * row[LONG]
+    if side and (bx != 0.0 or by != 0.0):
+        bent = 0.5 * turned * turned / (row[SIZE] * row[SIZE])
+        return x + turned * bx - bent * (x - row[PX]), y + turned * by - bent * (y - row[PY])
+    far = row[SIZE] if side else 0.0
     return row[PX] + far * row[MX], row[PY] + far * row[MY]
 
 
@@ -89,7 +101,7 @@ def closing(
     ex, ey = row[EX], row[EY]
     x, y, way = row[PX] + far * row[LONG] * ex, row[PY] + far * row[LONG] * ey, 1.0 - 2.0 * far
     rise, middle = joint(last, faces, circles, rows, x, y, way * ex, way * ey, e)
-    bx, by = body_of(last, faces, circles, rows)
+    bx, by = body_of(last, faces, circles, rows, x, y)
     back = sign * (ey * (bx - row[PX]) - ex * (by - row[PY])) > 0.0
     if rise > RISES:
         return 1.0
@@ -107,13 +119,28 @@ def from_end(row: Any, x: float, y: float, e: float) -> Any:
 
 
 @inlined
+def end_of_arc(row: Any, turn: float) -> Any:
+    """Return an end of a side of an arc, the first one for ``turn`` -1, and the direction in which it goes on there."""
+    c, size = row[COSINE], row[SIZE]
+    s = sqrt(max(1.0 - c * c, 0.0))
+    ux, uy = c * row[MX] - turn * s * row[MY], c * row[MY] + turn * s * row[MX]
+    return row[PX] + size * ux, row[PY] + size * uy, turn * uy, -turn * ux
+
+
+@inlined
+def ends_at(row: Any, turn: float, x: float, y: float, e: float) -> Any:
+    """Say whether a side of an arc has an end at a place."""
+    px, py, _bx, _by = end_of_arc(row, turn)
+    return row[COSINE] >= -1.0 and abs(x - px) + abs(y - py) <= e
+
+
+@inlined
 def from_end_of_arc(row: Any, x: float, y: float, e: float) -> Any:
     """Return what :func:`from_end` does, of a side of an arc."""
-    dx, dy, size, c = x - row[PX], y - row[PY], row[SIZE], row[COSINE]
-    turn, s = 1.0 if row[MX] * dy - row[MY] * dx >= 0.0 else -1.0, sqrt(max(1.0 - c * c, 0.0))
-    ux, uy = c * row[MX] - turn * s * row[MY], c * row[MY] + turn * s * row[MX]
-    ends = turn if c >= -1.0 and abs(dx - size * ux) + abs(dy - size * uy) <= e else 0.0
-    return ends * uy, -ends * ux
+    turn = 1.0 if row[MX] * (y - row[PY]) - row[MY] * (x - row[PX]) >= 0.0 else -1.0
+    _px, _py, bx, by = end_of_arc(row, turn)
+    ends = 1.0 if ends_at(row, turn, x, y, e) else 0.0
+    return ends * bx, ends * by
 
 
 @unit
@@ -152,15 +179,22 @@ def shut_off(i: int, b: Any, last: int, x: float, y: float, faces: int, circles:
 
 
 @unit
-def sunk(row: Any, last: int, x: float, y: float, faces: int, circles: int, rows: Any) -> Any:
-    """Say whether a side of an arc begins where a ball without a radius has left a surface, and lies behind that.
+def sunk(row: Any, turn: float, last: int, faces: int, circles: int, rows: Any) -> Any:
+    """Say whether a side of an arc ends on the surface that a ball without a radius has left, and lies behind that.
 
-    Or behind a face that ends there: the ball does not meet it where it is.
+    Or behind a face that ends there: the ball does not meet it at that end.
     """
-    e = CORNER * GAP * EPS * (abs(x) + abs(y) + abs(x - row[PX]) + abs(y - row[PY]) + row[SIZE])
-    b = from_end_of_arc(row, x, y, e)  # (0, 0) is neither below nor covered
-    rise, _middle = joint(last, faces, circles, rows, x, y, b[0], b[1], e)
-    return rise < -RISES or shut_off(-1, b, last, x, y, faces, circles, rows)
+    if row[COSINE] < -1.0:
+        return False
+    x, y, bx, by = end_of_arc(row, turn)
+    rise, _middle = joint(last, faces, circles, rows, x, y, bx, by, slack_of(row, x, y))
+    return rise < -RISES or shut_off(-1, (bx, by), last, x, y, faces, circles, rows)
+
+
+@inlined
+def at_sunk(row: Any, ends: Any, x: float, y: float, e: float) -> Any:
+    """Say whether a place is at an end of a side of an arc that is :func:`sunk`, the first or the second one."""
+    return (ends[0] and ends_at(row, -1.0, x, y, e)) or (ends[1] and ends_at(row, 1.0, x, y, e))
 
 
 @inlined
@@ -191,7 +225,7 @@ def face_corner(
     if abs(ey * dx - ex * dy) > e:
         return False, 0.0, False
     shut = shut_off(i, from_end(row, x, y, e), last, x, y, faces, circles, rows)
-    body = body_of(last, faces, circles, rows)
+    body = body_of(last, faces, circles, rows, x, y)
     way = ey * (body[0] - row[PX]) - ex * (body[1] - row[PY])
     far = 1.0 if foot > 0.5 * row[LONG] else 0.0
     if abs(way) <= e or shut:  # one line goes on as the other: it leaves both

@@ -9,7 +9,6 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.rows import COSINE, MX, MY, PX, PY, SIGN, SIZE
 from grazing.kernel.primitives import inlined
 from grazing.outcome import AMBIGUOUS, DIVERGED, GRAZE, INSIDE_WALL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
@@ -294,39 +293,6 @@ def first_step(dx: float, dy: float, vx: float, vy: float, g: float, size: float
     elif h < -DEEP * e:
         return 0.0, INSIDE_WALL
     return safe_step(low, fall, k) * (1.0 - GAP * EPS), OK
-
-
-def side_contact(
-    x: float, y: float, vx: float, vy: float, g: float, row: Any, fresh: bool, passed: bool, begins: bool, end: float
-) -> Any:  # fmt: skip
-    """Return (t, late, flags): when a side of an arc is hit first before ``end``, infinity for never.
-
-    ``fresh``: it just left this side; ``passed``: it just left the other side, which is the same circle. ``begins``: it
-    left neither, but is where the arc begins, and there is no contact with that there.
-    """
-    dx, dy, size, sign = x - row[PX], y - row[PY], row[SIZE], row[SIGN]
-    t, flags, far2 = 0.0, OK, dx * dx + dy * dy
-    e = GAP * EPS * (2.0 * far2 + size * size)
-    if fresh and not begins and rests(sign * 2.0 * (dx * vx + dy * vy), sign * (vx * vx + vy * vy - g * dy), e):
-        return 0.0, 0.0, STUCK
-    # else it is on the other side of the circle, beyond the ends of the arc
-    outside = fresh or (not passed and sign * (far2 - size * size) >= -e)
-    fresh = fresh or passed
-    for _ in range(LOOKS):
-        t, late, said = crossing(dx, dy, vx, vy, g, size, sign if outside else -sign, t, fresh, end)
-        flags |= said
-        if t == INFINITY or said & (TOO_MANY_IMPACTS | TOO_MANY_SWINGS | DIVERGED):
-            return t, late, flags
-        if outside:
-            px, py = dx + vx * t, dy + (vy - 0.5 * g * t) * t
-            inside = px * row[MX] + py * row[MY] - row[COSINE] * size
-            unsure = GAP * EPS * (abs(dx) + abs(dy) + size + (abs(vx) + abs(vy) + g * t) * t)
-            unsure += (abs(vx) + abs(vy) + g * t) * late
-            there = begins and abs(px - dx) + abs(py - dy) <= DEEP * GAP * EPS * (abs(x) + abs(y) + far2 / size + size)
-            if inside >= -unsure and not there:
-                return t, late, flags | AMBIGUOUS if inside <= unsure else flags
-        outside, fresh = not outside, True
-    return t, 0.0, flags | TOO_MANY_SWINGS
 
 
 def slid_off(dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float) -> Any:

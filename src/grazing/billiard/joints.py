@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from grazing.billiard.elements import SAME, element, gap_of, holds, normal_of, to_end
 from grazing.billiard.hit import flown
-from grazing.billiard.roots import SHARE, Gap, Root
+from grazing.billiard.roots import SHARE, Gap, Root, beside
 from grazing.billiard.rows import BARE, FACES, GRAVITY, HEAD, SIZE, THING, THINGS, WIDTH
 
 Floats = NDArray[np.float64]
@@ -29,6 +29,8 @@ def ways_at(root: Root, gap: Gap, state: tuple[float, ...], block: Floats) -> li
     ``angle`` is that from the surface to where the ball comes from, on the side of the ball, ``hand`` the sense in
     which it turns. There are two at the middle of the surface.
     """
+    if not beside(root._replace(gap=gap)):
+        return []
     x, y, vx, vy = flown(state[0], state[1], state[2], state[3], float(block[GRAVITY]), float(root.t))
     el, slack = element(gap.surface, 0.0, block), SHARE * (abs(state[0]) + abs(state[1]) + abs(x) + abs(y))
     slack += SHARE * el[7] if el[0] == 0.0 else SHARE * el[6]

@@ -9,15 +9,28 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.faces import CORNER, STOP, body_of, ended, nearer, of_other_faces, of_some_face, sunk
+from grazing.billiard.faces import (
+    CORNER,
+    STOP,
+    at_sunk,
+    body_of,
+    ended,
+    nearer,
+    of_other_faces,
+    of_some_face,
+    slack_of,
+    sunk,
+)
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
 from grazing.billiard.gaps import (
+    DEEP,
     EPS,
     GAP,
+    LOOKS,
     crossing,
     first_step,
     lowest,
-    side_contact,
+    rests,
     slid_off,
     touches,
 )
@@ -43,7 +56,7 @@ from grazing.billiard.rows import (
 )  # fmt: skip
 from grazing.billiard.turning import of_flipper
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import DIVERGED, FATAL, OK, TOO_MANY_IMPACTS
+from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
 #: Sizes and speeds beyond which a gap, of their fourth powers, leaves the range of doubles.
@@ -138,6 +151,40 @@ def side_corner(row: Any, x: float, y: float, vx: float, vy: float, body: Any) -
     return passed, passed and sign * (dx * vx + dy * vy) > 0.0
 
 
+def side_contact(
+    x: float, y: float, vx: float, vy: float, g: float, row: Any, fresh: bool, passed: bool, begins: bool, ends: Any,
+    end: float,
+) -> Any:  # fmt: skip
+    """Return (t, late, flags): when a side of an arc is hit first before ``end``, infinity for never.
+
+    ``fresh``: it just left this side; ``passed``: it just left the other side, which is the same circle. ``begins``: it
+    left neither, but is at one of ``ends`` where the arc is not met, the first or the second one.
+    """
+    dx, dy, size, sign = x - row[PX], y - row[PY], row[SIZE], row[SIGN]
+    t, flags, far2 = 0.0, OK, dx * dx + dy * dy
+    e = GAP * EPS * (2.0 * far2 + size * size)
+    if fresh and not begins and rests(sign * 2.0 * (dx * vx + dy * vy), sign * (vx * vx + vy * vy - g * dy), e):
+        return 0.0, 0.0, STUCK
+    # else it is on the other side of the circle, beyond the ends of the arc
+    outside = fresh or (not passed and sign * (far2 - size * size) >= -e)
+    fresh = fresh or passed
+    for _ in range(LOOKS):
+        t, late, said = crossing(dx, dy, vx, vy, g, size, sign if outside else -sign, t, fresh, end)
+        flags |= said
+        if t == INFINITY or said & (TOO_MANY_IMPACTS | TOO_MANY_SWINGS | DIVERGED):
+            return t, late, flags
+        if outside:
+            px, py = dx + vx * t, dy + (vy - 0.5 * g * t) * t
+            inside = px * row[MX] + py * row[MY] - row[COSINE] * size
+            unsure = GAP * EPS * (abs(dx) + abs(dy) + size + (abs(vx) + abs(vy) + g * t) * t)
+            unsure += (abs(vx) + abs(vy) + g * t) * late
+            there = at_sunk(row, ends, row[PX] + px, row[PY] + py, DEEP * slack_of(row, x, y) + unsure)
+            if inside >= -unsure and not there:
+                return t, late, flags | AMBIGUOUS if inside <= unsure else flags
+        outside, fresh = not outside, True
+    return t, 0.0, flags | TOO_MANY_SWINGS
+
+
 def of_circles(
     found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, off: int, base: int, circles: int,
     rows: Any,
@@ -192,13 +239,14 @@ def of_sides(
         if slid and beside_circle(behind(rows, WIDTH * i), x, y, vx, vy):
             found = back_on(found, base + i, x, y, vx, vy, g, faces, circles, start)
             continue
-        row, fresh, passed, begins = behind(rows, WIDTH * i), last == base + i, False, False
+        row, fresh, passed, begins, ends = behind(rows, WIDTH * i), last == base + i, False, False, (False, False)
         if not fresh and last >= base:  # without a radius both sides are one circle
             other = behind(rows, WIDTH * (last - base))
             passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
         if row[BARE] > 0.0 and last >= 0 and not fresh and not passed:
-            passed, behind_it = side_corner(row, x, y, vx, vy, body_of(last, faces, circles, start))
-            begins = sunk(row, last, x, y, faces, circles, start)
+            passed, behind_it = side_corner(row, x, y, vx, vy, body_of(last, faces, circles, start, x, y))
+            ends = sunk(row, -1.0, last, faces, circles, start), sunk(row, 1.0, last, faces, circles, start)
+            begins = at_sunk(row, ends, x, y, slack_of(row, x, y))
             if begins:  # it is on the side to which it moves
                 rate = row[SIGN] * ((x - row[PX]) * vx + (y - row[PY]) * vy)
                 bend = row[SIGN] * (vx * vx + vy * vy - g * (y - row[PY]))
@@ -206,7 +254,7 @@ def of_sides(
                 passed = not fresh
             elif behind_it:
                 continue
-        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, begins, found[1] + found[2])
+        t, late, said = side_contact(x, y, vx, vy, g, row, fresh, passed, begins, ends, found[1] + found[2])
         if said & STOP:
             return ended(found, base + i, t, said)
         found = found[0], found[1], found[2], found[3], found[4] | said

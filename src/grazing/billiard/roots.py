@@ -35,6 +35,7 @@ class Gap(NamedTuple):
     fresh: bool
     size: float
     times: int = 0
+    clear: tuple[fmpq_poly, ...] = ()
 
 
 class Root(NamedTuple):
@@ -130,14 +131,15 @@ def joined(gap: Gap) -> list[Root]:
 
 def inside(root: Root) -> int:
     """Say whether a root is on the surface itself, between its ends: 1, or -1 for not; 0 for at an end."""
-    return min((sign_at(one, root) for one in root.gap.within), default=1)
+    return min((sign_at(one, root) for one in (*root.gap.within, *root.gap.clear)), default=1)
 
 
 def beside(root: Root) -> bool:
     """Say whether a root is on the surface itself, or beyond its ends by no more than rounding."""
     size = root.gap.size
     slack = exact(SHARE * (size if len(root.gap.within) == 2 else sqrt(size)))  # the gap of an arc is one of squares
-    return all(at(one, root.t) + slack > 0 for one in root.gap.within)
+    clear = all(at(one, root.t) > 0 for one in root.gap.clear)
+    return clear and all(at(one, root.t) + slack > 0 for one in root.gap.within)
 
 
 def same(one: Root, other: Root) -> bool:

@@ -120,7 +120,7 @@ def hidden(
         row = behind(rows, WIDTH * i)
         b, back = from_end(row, x, y, slack_of(row, x, y)), not rises(to, x, y, nx, ny)
     else:
-        b = from_end_of_arc(behind(rows, WIDTH * (other - faces)), x, y, 4.0 * width)
+        b = from_end_of_arc(behind(rows, WIDTH * (other - faces)), x, y, 4.0 * DEEP * width)
         back = nx * b[0] + ny * b[1] < -RISES
     return back or covered(i, b, surface, x, y, (way * ny, -way * nx), (nx, ny), faces, rows)
 

@@ -15,6 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.billiard.distance import SLACK, crosses, distance, room_of
 from grazing.billiard.flippers import tightest
 from grazing.billiard.flown import table_trajectory
+from grazing.billiard.gaps import DEEP, EPS, GAP
 from grazing.billiard.laws import addresses, strategy_address
 from grazing.billiard.march import LEAST, MOST
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, SEGMENT, Thing
@@ -113,6 +114,7 @@ class Table(ByValue):
         _refuse_same_in_code(checked_params(params))
         object.__setattr__(self, "params", MappingProxyType(params))
         self._refuse_out_of_range()
+        self._refuse_ball_of_rounding()
         self._refuse_overlaps()
         self.angles(0.0)  # a motion that is none is refused
         self._refuse_stopped_flippers()
@@ -275,6 +277,15 @@ class Table(ByValue):
                     "fourth powers of it have no place in double precision"
                 )
 
+    def _refuse_ball_of_rounding(self) -> None:
+        largest = max(abs(x) for one in self.objects for x in one.lengths)
+        least = DEEP * GAP * EPS * 4.0 * largest  # so far behind a surface it may be: the coordinates of both
+        if 0.0 < self.rho < least:
+            raise InputError(
+                f"rho = {self.rho:g}: a ball so small is not told from rounding on a table with lengths up to "
+                f"{largest:g}; give 0 or at least {1.05 * least:.2g}"
+            )
+
     def _refuse_stopped_flippers(self) -> None:
         for one in self.objects:
             for other in self.objects if one.kind == FLIPPER else ():
@@ -299,11 +310,12 @@ class Table(ByValue):
                         f"{other.name} and {one.name} overlap by {-room:g}; objects may touch: move one, or make it "
                         "smaller"
                     )
-        lines = [one for one in others if one.kind == SEGMENT]
+        lines = [one for one in others if one.kind == SEGMENT or self.rho == 0.0]
         for i, one in enumerate(lines):
             for other in lines[:i]:
                 if crosses(one, other):
-                    raise InputError(f"{other.name} and {one.name} cross; let one end at the other")
+                    bare = ", as the ball has no radius" if ARC in (one.kind, other.kind) else ""
+                    raise InputError(f"{other.name} and {one.name} cross; let one end at the other{bare}")
 
 
 def padded(blocks: Sequence[Floats]) -> Floats:
@@ -342,7 +354,8 @@ def table(
         and the lines through which the ball leaves, :func:`grazing.drain`. Of two that are hit at once the first one in
         the list acts first. At most 2000, and 20 flippers.
     rho : float
-        Radius of the ball, >= 0. A ball without a radius never meets the ends of segments and arcs.
+        Radius of the ball, 0 or more than rounding: at least 1e-12 of the largest length. A ball without a radius never
+        meets the ends of segments and arcs.
     g : float
         Acceleration of gravity, >= 0.
     tilt : float
@@ -363,7 +376,7 @@ def table(
     ------
     InputError
         For no objects or too many, names that collide, a value out of range, a disc that overlaps something, or
-        segments that cross.
+        segments that cross; so do arcs, to a ball without a radius.
 
     Examples
     --------

@@ -59,7 +59,7 @@ Ints = NDArray[np.int64]
 NAN = float("nan")
 INFINITY = float("inf")
 
-ESCAPE = Parameter("escape", "c", "a coordinate beyond it ends the orbit", 0.0, open="low")
+ESCAPE = Parameter("escape", "c", "a coordinate beyond it ends the orbit; with inf, none does", 0.0, open="low")
 
 
 def _checked_letters(letters: Any) -> str | Alphabet | None:
@@ -76,7 +76,9 @@ def _checked_letters(letters: Any) -> str | Alphabet | None:
 
 
 def _checked_escape(escape: Any) -> float:
-    return INFINITY if isinstance(escape, float) and escape == INFINITY else ESCAPE.check(escape)
+    """Return from where on orbits have escaped, or raise InputError; infinity for nowhere."""
+    nowhere = isinstance(escape, (float, np.floating)) and escape == INFINITY
+    return INFINITY if nowhere else ESCAPE.check(escape)
 
 
 class Segment(NamedTuple):

@@ -165,15 +165,14 @@ class Bounces:
         ahead = (np.roll(p, -1, -1) - p) / tau[:, None] ** 2  # -d w/d tau, less gravity's part
         half = np.array([[0.0], [0.5 * self.g]])
         F, J = np.empty((k, 2 * n)), np.zeros((k, 2 * n, 2 * n))
-        dot = "kcn,kcn->kn"
-        along, away, coming = (np.einsum(dot, *pair) for pair in ((T, w - b), (normal, w), (normal, b)))
+        along, away, coming = (np.einsum("kcn,kcn->kn", *pair) for pair in ((T, w - b), (normal, w), (normal, b)))
         F[:, :n] = along
         slope = np.zeros((k, n))
         if self.energy is None:
             for i, (law, bend) in enumerate(self._laws):
                 F[:, n + i], slope[:, i] = away[:, i] - law(coming[:, i]), bend(coming[:, i])
         else:
-            F[:, n:] = 0.5 * (w * w).sum(1) + self.g * p[:, 1] - self.energy
+            F[:, n:] = 0.5 * dot(w, w) + self.g * p[:, 1] - self.energy
         for i in range(n):
             before, after = (i - 1) % n, (i + 1) % n
             # velocities change with (u_i, u_next, tau_i) and with (u_last, u_i, tau_last)
@@ -184,15 +183,15 @@ class Bounces:
             turn = self.q[i]
             J[:, i, i] -= turn * (away[:, i] - coming[:, i])
             for j, change in dw:
-                J[:, i, j] += (T[:, :, i] * change).sum(1)
+                J[:, i, j] += dot(T[:, :, i], change)
                 lead = normal[:, :, i] if self.energy is None else w[:, :, i]
-                J[:, n + i, j] += (lead * change).sum(1)
+                J[:, n + i, j] += dot(lead, change)
             for j, change in db:
-                J[:, i, j] -= (T[:, :, i] * change).sum(1)
+                J[:, i, j] -= dot(T[:, :, i], change)
                 if self.energy is None:
-                    J[:, n + i, j] -= slope[:, i] * (normal[:, :, i] * change).sum(1)
+                    J[:, n + i, j] -= slope[:, i] * dot(normal[:, :, i], change)
             if self.energy is None:
-                tangential = (T[:, :, i] * w[:, :, i]).sum(1) - slope[:, i] * (T[:, :, i] * b[:, :, i]).sum(1)
+                tangential = dot(T[:, :, i], w[:, :, i]) - slope[:, i] * dot(T[:, :, i], b[:, :, i])
                 J[:, n + i, i] += turn * tangential
             else:
                 J[:, n + i, i] += self.g * m[i] * T[:, 1, i]
@@ -232,6 +231,11 @@ class Bounces:
             before[going] = length
             going = going[~arrived & (length < 1e6)]
         return worst
+
+
+def dot(a: Floats, b: Floats) -> Floats:
+    """Return the products of vectors (k, 2) or (k, 2, n): of two terms, for which a sum along an axis takes long."""
+    return np.asarray(a[:, 0] * b[:, 0] + a[:, 1] * b[:, 1])
 
 
 def stepped(J: Floats, F: Floats) -> Floats:

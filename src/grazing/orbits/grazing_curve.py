@@ -22,6 +22,8 @@ from grazing.parameter import checked_box, whole
 
 #: Bytes that a contact time takes while its curve is refined.
 CONTACT = 200
+#: Highest order of preimages: each is followed through all periods, so that time grows with the square of the order.
+MOST_PREIMAGES = 100
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -81,7 +83,7 @@ def grazing_curve(
     phase : float
         Time of the section, from t = 0.
     preimages : int
-        The highest order: a preimage of order k touches the wall k periods later, >= 0.
+        The highest order: a preimage of order k touches the wall k periods later, 0 to 100.
     points : int
         Contact times tried first in each period, >= 10; more are added until neighbouring points on a curve are less
         than 6/points of the box apart, and ends are found.
@@ -174,7 +176,7 @@ def _checked(model: Any, phase: Any, preimages: Any, points: Any, box: Any) -> t
     """Return the arguments checked, or raise InputError."""
     checked_model(model)
     time = checked_phase(model, phase)
-    orders, number = whole(preimages, "preimages", 0), whole(points, "points", 10)
+    orders, number = whole(preimages, "preimages", 0, MOST_PREIMAGES), whole(points, "points", 10)
     size = CONTACT * PATIENCE * float(number)
     refuse_too_large(size, f"reduce points ({number})", "the curve")
     refuse_swings(model)

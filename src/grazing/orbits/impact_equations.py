@@ -267,12 +267,13 @@ class ImpactEquations(FlightEquations):
         found: dict[int, Floats] = {}
         if self.n % 2 or self.N % 2 == 0:
             return found
-        model, m = self.model_at(p), 2
-        turned, swapped = model.turns, tuple(PIECES * (1 - wall_of(one)) + piece_of(one) for one in self.pieces)
+        row, m = self.values(p), 2  # no model is made: this is asked at every point of a path
+        turned = self.model.turns_at(row)
+        swapped = tuple(PIECES * (1 - wall_of(one)) + piece_of(one) for one in self.pieces)
         while self.n % m == 0:
             h = self.n // m
             later = self.pieces[h:] + self.pieces[:h]
-            mirror = m == mirrors_in(model) and later == swapped and model.symmetric
+            mirror = m == mirrors_in(turned) and later == swapped and self.model.symmetric_at(row)
             if mirror or (turned % m == 0 and later == self.pieces):
                 found[m] = self.uneven(x, self.period_at(p), m)
             m *= 2

@@ -16,12 +16,12 @@ from grazing.oscillator.wall import NAMES
 ALIKE = 1e-7
 
 
-def mirrors_in(model: Rig) -> int:
+def mirrors_in(turns: int) -> int:
     """Return of how many parts, each the mirror image of the one before, a symmetric orbit is made: a power of two.
 
-    What moves the model has the period T/g, and half of it is an odd part of a turn N T, with N odd.
+    What moves the model has the period T/g, g its :attr:`turns`, and half of it is an odd part of a turn N T, N odd.
     """
-    return 2 * (model.turns & -model.turns) or 2
+    return 2 * (turns & -turns) or 2
 
 
 @dataclass(frozen=True, eq=False, kw_only=True, repr=False)
@@ -82,7 +82,7 @@ class ImpactOrbit(Orbit):
         the period that counts.
         """
         n, N, model = len(self.times), self.period, self.model
-        m = mirrors_in(model)
+        m = mirrors_in(model.turns)
         if n % m or N % 2 == 0 or not model.symmetric:
             return False
         if n == 0:

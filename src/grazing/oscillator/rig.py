@@ -101,13 +101,20 @@ class Rig:
     @property
     def turns(self) -> int:
         """How often what moves it repeats itself in a period, by the harmonics that it has; 0 if nothing moves."""
-        waves = ((name.rpartition(".")[2], value) for name, value in self.params.items())
-        return gcd(*(int(name[3:]) for name, value in waves
-                     if value != 0.0 and name[:3] in ("cos", "sin") and name[3:].isdigit()))  # fmt: skip
+        return self.turns_at(list(self.params.values()))
+
+    def turns_at(self, row: Sequence[float] | Floats) -> int:
+        """Return :attr:`turns` at a row of :attr:`params`."""
+        waves = [slice(HEAD, HEAD + 2 * len(self.forcing.cos)), *(place.motion for place in self.places)]
+        return gcd(*(i // 2 + 1 for wave in waves for i, value in enumerate(row[wave]) if value != 0.0))
 
     @property
     def symmetric(self) -> bool:
         """Whether the model is its own mirror image half a period later, of the period of what moves it."""
+        return self.symmetric_at(np.array(list(self.params.values())))
+
+    def symmetric_at(self, row: Floats) -> bool:
+        """Return :attr:`symmetric` at a row of :attr:`params`."""
         return False
 
     def rows_seen_from(self, j: int, rows: Floats) -> Floats:

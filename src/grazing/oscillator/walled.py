@@ -185,8 +185,7 @@ class Walled(Rig):
         room = float(self.rooms(np.array([list(self.params.values())]))[0])
         return min(unit, 0.5 * room) if moving or last == "sigma" else unit
 
-    @property
-    def symmetric(self) -> bool:
+    def symmetric_at(self, row: Floats) -> bool:
         """Whether the model is its own mirror image half a period later, as far as rounding tells.
 
         Then (u, t) -> (2 m - u, t + T/(2 g)) takes motions to motions, with m the middle between the walls, and T/g the
@@ -195,19 +194,21 @@ class Walled(Rig):
         """
         if len(self.walls) < 2:
             return False
-        low, high = (one.law for one in self.walls)
-        if (low.law, dict(low.params)) != (high.law, dict(high.params)):
+        low, high = ((one.law.law, list(one.law.params), row[place.law].tolist()) for one, place in
+                     zip(self.walls, self.places, strict=True))  # fmt: skip
+        if low != high:
             return False
-        rows, stop = np.array([list(self.params.values())]), HEAD + 2 * self.harmonics
+        rows, stop = row[None], HEAD + 2 * self.harmonics
+        k2 = float(row[1] * row[1] if self.stiffness is None else row[1])
         seen = [self.rows_seen_from(j, rows)[0, HEAD - 1 : stop + 1] for j in (0, 1)]
-        pulls = abs(self.k2) * np.abs([one[-1] for one in seen]).max()
+        pulls = abs(k2) * np.abs([one[-1] for one in seen]).max()
         for one in seen:
-            one[0] -= self.k2 * one[-1]  # the constant force on a ball at the wall
+            one[0] -= k2 * one[-1]  # the constant force on a ball at the wall
         seen = [one[:-1] for one in seen]
-        turns = np.arange(1, self.harmonics + 1) // max(self.turns, 1)  # all other harmonics are 0
+        turns = np.arange(1, self.harmonics + 1) // max(self.turns_at(row), 1)  # all other harmonics are 0
         later = np.concatenate([[1.0], np.repeat((-1.0) ** turns, 2)])
         between = self.waves(1, rows)[0] - self.waves(0, rows)[0]
-        size = np.abs(self.waves(0, rows)).max() + abs(self.walls[1].position - self.walls[0].position)
+        size = np.abs(self.waves(0, rows)).max() + abs(row[self.places[1].sigma] - row[self.places[0].sigma])
         odd = later[1:] < 0.0
         return bool(
             np.abs(seen[1] - later * seen[0]).max() <= SAME * (np.abs(seen).max() + pulls)

@@ -92,16 +92,14 @@ def walled_trajectory(
         us.append(u)
         vs.append(v)
     hits = ~np.isnan(legs[:, V_MINUS]) & (ends <= until)
-    at, speed = model.places_at(ends[hits])
     struck = legs[hits, HIT].astype(int)
     sign = np.array([wall.sign for wall in model.walls])[struck]
-    carried = speed[struck, np.arange(len(struck))] if struck.size else np.empty(0)
+    struck_at, carried = np.array(model.places_at(ends[hits]))[:, struck, np.arange(len(struck))]
     flags = int(np.bitwise_or.reduce(legs[:, FLAGS].astype(int)))
     trust = Trust.ambiguous if flags & AMBIGUOUS else Trust.certified
     about = {name: model.describe(name).attributes for name in ("t", "u", "v", "v_minus", "v_plus")}
     t = np.concatenate(times)
     before, after = (carried + sign * legs[hits, column] for column in (V_MINUS, V_PLUS))
-    at, _speed = model.places_at(t)
     return xr.Dataset(
         {
             "u": ("t", np.concatenate(us), about["u"]),
@@ -110,6 +108,11 @@ def walled_trajectory(
             "v_minus": ("impact", before, about["v_minus"]),
             "v_plus": ("impact", after, about["v_plus"]),
             "impact_wall": ("impact", np.array(names)[struck], {"long_name": "wall that is hit"}),
+            "impact_position": (
+                "impact",
+                struck_at,
+                {"long_name": "position of the wall that is hit", "units": model.units_of("u")},
+            ),
             "impact_speed": (
                 "impact",
                 -legs[hits, V_MINUS],

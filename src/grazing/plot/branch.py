@@ -166,7 +166,8 @@ def drawn(
     word, period = table["word"].values.astype(str), table["period"].values
     x, y = table[name].values, table[coordinate].values
     goes_on = (piece[1:] == piece[:-1]) & (period[1:] == period[:-1])
-    goes_on &= (word[1:] == word[:-1]) | ~jumps(x, y, piece)
+    alike = goes_on & (word[1:] == word[:-1])
+    goes_on &= alike | ~jumps(x, y, alike)
     # an orbit at a special point is on the edge of two kinds: a step is of the kind of its other end
     # the first point after it may be the same orbit again, to rounding
     at = table["event"].values == 1
@@ -195,15 +196,13 @@ def drawn(
     return artists
 
 
-def jumps(x: NDArray[Any], y: NDArray[Any], piece: NDArray[Any]) -> NDArray[Any]:
-    """Return which steps from point to point are far longer than those beside them on their piece: jumps."""
+def jumps(x: NDArray[Any], y: NDArray[Any], alike: NDArray[Any]) -> NDArray[Any]:
+    """Return which steps from point to point are far longer than those beside them between orbits that are alike."""
     wide, high = np.abs(np.diff(x)), np.nan_to_num(np.abs(np.diff(y, axis=0))).max(axis=1, initial=0.0)
     beside_x, beside_y = np.zeros_like(wide), np.zeros_like(high)
-    same = piece[1:] == piece[:-1]
     for here, there in ((slice(1, None), slice(None, -1)), (slice(None, -1), slice(1, None))):
-        joined = same[here] & same[there]
-        beside_x[here] = np.maximum(beside_x[here], np.where(joined, wide[there], 0.0))
-        beside_y[here] = np.maximum(beside_y[here], np.where(joined, high[there], 0.0))
+        beside_x[here] = np.maximum(beside_x[here], np.where(alike[there], wide[there], 0.0))
+        beside_y[here] = np.maximum(beside_y[here], np.where(alike[there], high[there], 0.0))
     longer = np.maximum(wide / np.where(beside_x > 0.0, beside_x, np.inf), 1.0)
     return np.asarray(high > 2.0 * longer * beside_y + 1e-9 * np.nan_to_num(np.abs(y)).max(initial=0.0))
 

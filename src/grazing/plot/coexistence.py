@@ -26,6 +26,8 @@ KINDS = {"appears": "^", "disappears": "v", "doubles": "D", "halves": "s", "rela
 OTHER = "x"
 #: Entries of a legend, largest areas first.
 LISTED = 20
+#: Height of their first row above the axes and distance of rows, in points.
+FIRST, ROW = 6.0, 5.0
 #: Up to so many changes a hairline goes through the axes at each.
 HAIRLINES = 24
 
@@ -185,7 +187,7 @@ def _lifetimes(ax: Axes, values: Floats, lifetime: Floats, stack: list[int], col
 
 
 def _changes(ax: Axes, result: Any) -> dict[str, Any]:
-    """Mark changes in a row above the axes, each halfway between the values before and after it."""
+    """Mark changes above the axes, each halfway between the values before and after it, kinds at one place in rows."""
     if any(name not in result for name in ("before", "after", "kind")):
         return {}
     before, after = (np.asarray(result[name].values, np.float64) for name in ("before", "after"))
@@ -194,14 +196,17 @@ def _changes(ax: Axes, result: Any) -> dict[str, Any]:
     low, high = sorted(ax.get_xlim())
     inside = (at >= low) & (at <= high)  # of a part of a result, its own
     at, kinds = at[inside], np.array([str(kind) for kind in result["kind"].values])[inside]
-    drawn = {}
+    drawn: dict[str, Any] = {}
+    rows: dict[float, int] = {}  # of marks at each place
     rest = sorted(set(kinds.tolist()) - set(KINDS))
     for kind in [*(kind for kind in KINDS if kind in kinds), *rest]:
         chosen = at[kinds == kind]
+        above = [FIRST + ROW * rows.get(x, 0) for x in chosen.tolist()]
+        rows |= {x: rows.get(x, 0) + 1 for x in set(chosen.tolist())}
         hollow = kind == "relabelled"
         (drawn[kind],) = ax.plot(
             chosen,
-            np.full(chosen.size, 6.0),
+            above,
             KINDS.get(kind, OTHER),
             ls="none",
             ms=3.2,

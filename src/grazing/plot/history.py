@@ -11,7 +11,7 @@ from grazing.outcome import InputError, shown
 from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import DOUBLE, GRAZE, INK, WALL, axes, quantity, root, styled
-from grazing.plot.trajectory import limits, places_of, walls_of
+from grazing.plot.trajectory import cuts, impacts_of, limits, walls_of
 
 #: Width of the line and size of the marks in points, at most and at least, and shares of how far swings and impacts
 #: are apart: many of them are drawn finer, else they run into a bar.
@@ -53,21 +53,19 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
         rises = np.diff(x) > 0.0
         width, size = _fine(ax, int((rises[:-1] & ~rises[1:]).sum()), LINE), _fine(ax, hits.size, MARK)
         wall, impacts = None, []
+        at, *speeds = (values[shown_hits] for values in impacts_of(result))
         if of == "u":
-            before = places_of(result)[shown_hits]
-            ends = limits(x, walls)
-            for at, below in walls:
+            before = at
+            ends = limits(np.append(x, at), walls)
+            for place, below in walls:
                 far = ends[0] if below else ends[1]
-                wall = ax.fill_between(t, far, at, color=WALL, lw=0, zorder=0)
+                wall = ax.fill_between(t, far, place, color=WALL, lw=0, zorder=0)
             ax.set_ylim(*ends)
         else:
             ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
-            before, after = (result[name].values[shown_hits] for name in ("v_minus", "v_plus"))
+            before, after = speeds
             impacts += ax.plot(hits, after, "o", ls="", ms=size, mfc="white", mec=GRAZE, mew=0.25 * size, zorder=5)
-            # a trajectory has two points at an impact, samples have none: the line breaks between before and after
-            cut = np.searchsorted(t, hits)
-            cut += t[np.minimum(cut + 1, len(t) - 1)] == hits
-            cut = np.unique(cut[(cut > 0) & (cut < len(t))])
+            cut = cuts(t, hits)
             t, x = np.insert(t, cut, t[cut]), np.insert(x, cut, np.nan)
         impacts += ax.plot(hits, before, "o", ls="", ms=size, mew=0, color=GRAZE, zorder=4)
         (motion,) = ax.plot(t, x, color=colour, lw=width, zorder=3)

@@ -15,7 +15,7 @@ from grazing.plot.classes import blended, legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import axes_along
+from grazing.plot.raster import axes_along, edges_of, ordered
 from grazing.plot.spread import spread
 from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, quantity, root, styled, symbol
 
@@ -88,8 +88,15 @@ def response(
                     zorder=4,
                     ls="none",
                 )
-        ends = zip(result["difference_low"].values, result["difference_high"].values, strict=True)
-        bands = [ax.axvspan(low, high, color=INK, alpha=SHADE, lw=0, zorder=0) for low, high in ends]
+        rising, _where = ordered(values)
+        edges = edges_of(rising, ax.xaxis)  # of cells: the sweeps may differ at one value alone
+        first = np.searchsorted(rising, result["difference_low"].values)
+        last = np.searchsorted(rising, result["difference_high"].values, side="right")
+        seen = first < last  # of a part of a result, its own
+        bands = [
+            ax.axvspan(edges[a], edges[b], color=INK, alpha=SHADE, lw=0, zorder=0)
+            for a, b in zip(first[seen], last[seen], strict=True)
+        ]
         scale = ax.xaxis.get_transform()
         at = scale.transform(np.array([values.min(), values.max()]))
         ax.set_xlim(*scale.inverted().transform(at + EDGE * np.ptp(at) * np.array([-1.0, 1.0])))

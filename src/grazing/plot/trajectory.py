@@ -53,13 +53,12 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         walls = walls_of(result)
         u, v = np.asarray(result["u"].values), np.asarray(result["v"].values)
         t, hits = result["t"].values, result["impact_time"].values
-        # an impact is a time that occurs twice, before and after it, with two velocities
-        cut = np.flatnonzero((np.diff(t) <= 0.0) & (np.abs(np.diff(v)) > 1e-9 * np.abs(v).max())) + 1
+        cut = cuts(t, hits)
         (flights,) = ax.plot(np.insert(u, cut, np.nan), np.insert(v, cut, np.nan), color=colour, lw=1.1, zorder=3)
         impacts: list[Line2D] = []
         seen = (hits >= t[0]) & (hits <= t[-1])  # of a part of a trajectory, its own
-        jumps = (places_of(result), result["v_minus"].values, result["v_plus"].values)
-        for at, before, after in zip(*(values[seen] for values in jumps), strict=True):
+        places, *speeds = (values[seen] for values in impacts_of(result))
+        for at, before, after in zip(places, *speeds, strict=True):
             impacts += ax.plot([at, at], [before, after], color=GRAZE, lw=1.0, ls=(0, (3, 1.5)), zorder=4)
             ax.plot(at, before, "o", ms=3.2, color=GRAZE, zorder=5)
             ax.plot(at, after, "o", ms=3.2, mfc="white", mec=GRAZE, mew=0.8, zorder=5)
@@ -67,8 +66,8 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
         if states is not None:
             x, y = (sign_of(result) * in_units_of(result, states, name) for name in ("u", "v"))
             (dots,) = ax.plot(x, y, "s", ms=3.6, mfc="white", mec=colour, mew=0.9, zorder=6)
-        low, high = float(min(v.min(), 0.0)), float(max(v.max(), 0.0))
-        ends = limits(u, walls)
+        low, high = (float(most(np.concatenate([[0.0], v, *speeds]))) for most in (np.min, np.max))
+        ends = limits(np.append(u, places), walls)
         wall = None
         for at, below in walls:
             far, near = (ends[0], at.max()) if below else (ends[1], at.min())
@@ -98,22 +97,42 @@ def _states(given: Any) -> xr.Dataset:
 
 
 def walls_of(result: Any) -> list[tuple[Floats, bool]]:
-    """Return where the walls of a trajectory are at its times, in its own units, and which are below the ball."""
+    """Return where the walls of a trajectory are at its times, in its own units, and which are below the ball.
+
+    Surfaces of a system of one's own are no such walls.
+    """
     if "wall_position" in result:
         sides = result["side"].values.tolist()
         return [(at, side == "below") for at, side in zip(result["wall_position"].values, sides, strict=True)]
+    if "before" in result:
+        return []
     at = float(result["wall"]) if "wall" in result else float(result.attrs.get("parameter_sigma", 0.0))
     return [(np.full(result.sizes["t"], at), sign_of(result) > 0.0)]
 
 
-def places_of(result: Any) -> Floats:
-    """Return where each impact of a trajectory is."""
-    walls, hits = walls_of(result), result["impact_time"].values
-    places = np.array([np.interp(hits, result["t"].values, at) for at, _below in walls])
-    if "impact_wall" not in result:
-        return np.asarray(places[0])
-    names = result["wall"].values.tolist()
-    return places[[names.index(name) for name in result["impact_wall"].values.tolist()], np.arange(len(hits))]
+def impacts_of(result: Any) -> tuple[Floats, Floats, Floats]:
+    """Return where each impact of a trajectory is, and the velocities before and after it.
+
+    By its record: between two points of a trajectory, or two samples, a wall may move.
+    """
+    if "before" in result:  # of a system of one's own, whose v_minus and v_plus are rates of a gap
+        before, after = (result[name].sel(coordinate=["u", "v"]).values for name in ("before", "after"))
+        return before[:, 0], before[:, 1], after[:, 1]
+    jumps = result["v_minus"].values, result["v_plus"].values
+    if "impact_position" in result:
+        return result["impact_position"].values, *jumps
+    ((at, _below),) = walls_of(result)
+    return np.full(result.sizes["impact"], at[0]), *jumps
+
+
+def cuts(t: Floats, hits: Floats) -> NDArray[np.intp]:
+    """Return where a line breaks at impacts: before the first point after each.
+
+    A trajectory has two points at an impact, samples have none: the line breaks between before and after.
+    """
+    cut = np.searchsorted(t, hits)
+    cut += t[np.minimum(cut + 1, len(t) - 1)] == hits
+    return np.unique(cut[(cut > 0) & (cut < len(t))])
 
 
 def limits(u: Floats, walls: list[tuple[Floats, bool]]) -> tuple[float, float]:

@@ -33,7 +33,7 @@ def windows(
 ) -> dict[str, Any]:
     """Shade the windows of period N and name them above the axes, odd and even N in rows of their own.
 
-    Where two bars of a row would overlap, the later one goes up.
+    Of two bars of a row that would overlap, the later one goes up to the next row with room for it, whatever its N.
 
     Parameters
     ----------

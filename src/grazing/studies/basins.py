@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.maps.columns import Columns
 from grazing.maps.map import Map
 from grazing.maps.pieces import joined, let_go, pieces
-from grazing.orbits.grazing_curve import grazing_arrays
+from grazing.orbits.grazing_curve import MOST_PREIMAGES, grazing_arrays
 from grazing.orbits.orbit import ROUNDING
 from grazing.outcome import InputError, shown
 from grazing.parameter import whole
@@ -79,7 +79,7 @@ def basins(
     transient, keep : int
         Steps that are thrown away, then steps in which a period up to keep/2 is looked for.
     preimages : int
-        How many preimages of the grazing curve come with it, for a stroboscopic map.
+        How many preimages of the grazing curve come with it, for a stroboscopic map; at most 100.
     threads, arithmetic, progress
         As in :func:`grazing.orbit_diagram`.
 
@@ -121,7 +121,7 @@ def basins(
     axes = _checked_grid(P, grid)
     others = checked_fixed(P, axes, fixed)
     transient, keep = whole(transient, "transient", 0), whole(keep, "keep", 1)
-    preimages, arithmetic = whole(preimages, "preimages", 0), checked_arithmetic(arithmetic)
+    preimages, arithmetic = whole(preimages, "preimages", 0, MOST_PREIMAGES), checked_arithmetic(arithmetic)
     shape = tuple(len(values) for values in axes.values())
     for corner in product(*[(int(values.argmin()), int(values.argmax())) for values in axes.values()]):
         state = _states(P, axes, others, np.array([np.ravel_multi_index(corner, shape)]))

@@ -387,7 +387,7 @@ export class BallView {
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     said.push(...this.company.said(plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)])));
-    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4).replace("-", "−")}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
+    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.`.replaceAll("-", "−") });
     return said;
   }
 }

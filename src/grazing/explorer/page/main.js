@@ -18,6 +18,7 @@ import { DEFAULTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, ti
 import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
+import { still } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -160,6 +161,7 @@ function render() {
     control.set(part(state, name));
     if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
+  for (const name of ["theory", "reduced"]) controls[name].box.hidden ||= state.view === "oscillator" && !still(state); // there is no normal form
   const had = varied(state);
   for (const name of ["V", "trigger", "sigma_B", "r_B", "V_B", "trigger_B"]) controls[name].box.hidden = !had.includes(name);
   for (const axis of ["vary", "second"]) controls[axis].offer?.(had);
@@ -168,7 +170,7 @@ function render() {
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
-  typeset($("hint"), HINTS[shown]);
+  typeset($("hint"), (!still(state) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);

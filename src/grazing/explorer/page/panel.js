@@ -28,7 +28,7 @@ export function panel(page) {
   controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"]], own("law"));
   place("oscillator-sliders").append(controls.law.box);
   controls.two = toggle("a second wall, above the ball", own("two"));
-  const first = ["offset", "V", "r", "omega", "alpha", "k", "sigma_B", "r_B", "V_B", "trigger_B"];
+  const first = ["offset", "V", "trigger", "r", "omega", "alpha", "k", "sigma_B", "r_B", "V_B", "trigger_B"];
   for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
     controls[name] = slider(fields[name], OSCILLATOR_EXTENTS[name], own(name), problem);
     (first.includes(name) ? place("oscillator-sliders") : more).append(controls[name].box);
