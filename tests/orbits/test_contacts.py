@@ -333,11 +333,21 @@ def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_para
     (orbit,) = (one for one in in_turn(model) if one.stable)
     bounds = 0.4 * edge, 0.6 * edge
     (broken,) = gz.continuation(gz.stroboscopic_map(model), orbit, "B.sigma", bounds).special
-    (one,) = gz.continuation(orbit.map, broken, "B.sigma", bounds).at(broken.value - 0.0003)[:1]
+    branch = gz.continuation(orbit.map, broken, "B.sigma", bounds)
+    (one,) = branch.at(broken.value - 0.0003)[:1]
     for width in (0.003, 0.001):  # Newton's method failed 1e-9 before it: nothing was found
         back = gz.continuation(one.map, one, "B.sigma", (broken.value - width, broken.value + 0.5 * width), step=0.01)
         (again,) = (special for special in back.special if special.type == "bp")
         assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12) and back.complete
+    (one,) = branch.at(broken.value - 0.00017)[:1]
+    for ends in (
+        (1.00813, 1.0086),
+        (1.0081, 1.0085),
+        (1.00812, 1.00862),
+    ):  # narrower still it was lost before the point
+        back = gz.continuation(one.map, one, "B.sigma", ends, step=0.3)
+        (again,) = (special for special in back.special if special.type == "bp")
+        assert abs(again.value - broken.value) < (1e-12 if again.converged else 1e-6) and back.complete
 
 
 def test_a_branch_point_is_not_put_where_newton_s_method_goes_elsewhere():

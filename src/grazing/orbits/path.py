@@ -27,7 +27,7 @@ STRAIGHT = 0.97
 SHORTEST, FIRST = 1e-9, 1e-3
 #: Steps shorter than this, in scaled unknowns, end the search for the end of a piece.
 FINEST = 2e-16
-#: Cosine of the largest angle between a tangent and the way to the mirror image that it leads to.
+#: Cosine of the largest angle between the tangent's unknowns and the way to the mirror image that it leads to.
 TOWARDS = 0.5
 #: Steps, taken or not, for each point of a path that is allowed, and the fewest of a path, after which it is given up.
 TRIES, FEWEST = 20, 2000
@@ -195,7 +195,8 @@ def reflected(equations: Equations, here: Point, h: float) -> Point | None:
         z = np.concatenate([image / equations.scale, here.z[len(x) :]])
         chord = z - here.z
         length = float(np.linalg.norm(chord))
-        if h <= length <= EVEN and here.tangent @ chord >= TOWARDS * length:
+        towards = float(here.tangent @ chord)  # the parameter is the same, however narrow its range
+        if h <= length <= EVEN and towards >= TOWARDS * length * np.linalg.norm(here.tangent[: len(x)]):
             return Point(z, tangent_of(linearised(equations, z)[1], chord / length), equations.tests(image, p))
     return None
 
