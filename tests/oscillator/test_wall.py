@@ -172,3 +172,10 @@ def test_a_model_over_one_wall_says_of_it_what_the_same_wall_given_by_itself_doe
     assert P.origin.rig is one
     assert Q.origin.rig is other
     assert (P.walled, Q.walled) == (None, other)
+
+
+def test_two_places_of_sigma_are_told_how_to_be_two_walls():
+    with pytest.raises(
+        gz.InputError, match=r"sigma = \(-0\.1, 0\.1\).*walls=\[gz\.wall\(low, law\), gz\.wall\(high, law\)\]"
+    ):
+        gz.pinball(sigma=(-0.1, 0.1))

@@ -80,8 +80,8 @@ class Oscillator(Rig):
     def __post_init__(self) -> None:
         if isinstance(self.sigma, Sequence) and not isinstance(self.sigma, (str, bytes)):
             raise InputError(
-                f"sigma = {shown(self.sigma)}; an oscillator has one wall, at one number, below the ball; two stops "
-                "are impossible: give the lower one alone where the upper one is never reached"
+                f"sigma = {shown(self.sigma)}; sigma is one number, the place of a single wall below the ball; "
+                "give two as walls=[gz.wall(low, law), gz.wall(high, law)]"
             )
         spring = spring_of(self)[0]
         for name in ("alpha", spring, "sigma"):
