@@ -172,6 +172,12 @@ def test_recipes_of_old_results_mean_the_same(law):
 # ---- what is wrong
 
 
+def test_of_pairs_none_is_dropped():
+    recipe = {"study": "diagram", "vary": [["d", "0.1:0.2:3"], ["d", "0.3:0.4:3"]]}
+    with pytest.raises(InputError, match=r"vary.*d.*: a name is given twice"):
+        checked(recipe)
+
+
 def test_all_errors_come_at_once_with_their_paths():
     found = problems(
         {

@@ -16,6 +16,7 @@ from grazing.config.walls import SAYS, Walls
 from grazing.maps.discontinuity import ORDERS
 from grazing.oscillator.parameters import MASS
 from grazing.oscillator.si import SIDES, base_of
+from grazing.outcome import InputError, shown
 from grazing.units import checked_units
 
 MAPS = {
@@ -78,7 +79,10 @@ BESIDE: dict[str, tuple[Any, str]] = {
 def _in_order(value: Any) -> Any:
     """Take pairs for a table: recipes keep the order of what varies so, which JSON with sorted keys would lose."""
     if isinstance(value, list) and all(isinstance(item, (list, tuple)) and len(item) == 2 for item in value):
-        return {str(name): written for name, written in value}
+        table = {str(name): written for name, written in value}
+        if len(table) < len(value):
+            raise InputError(f"{shown(value)}: a name is given twice")
+        return table
     return value
 
 
