@@ -78,6 +78,9 @@ def test_syntax_has_a_line(tmp_path):
     file.write_bytes(b"\xff\xfe\x00")
     with pytest.raises(InputError, match="give a TOML file in UTF-8"):
         load_config(file)
+    file.write_text('study = "diagram"\n[parameters]\nd = ' + "1" * 5000)
+    with pytest.raises(InputError, match=r"has a number of thousands of digits$"):  # and nothing of Python's settings
+        load_config(file)
     with pytest.raises(InputError, match="there is no file"):
         load_config(tmp_path / "missing.toml")
     with pytest.raises(InputError, match="cannot be read"):

@@ -32,8 +32,10 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
         return tomllib.loads(text)
     except RecursionError:
         raise InputError(f"{source} has too many tables or lists in each other") from None
-    except ValueError as error:  # of its syntax, a date that is none, a number of thousands of digits
+    except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source} is not TOML: {error}") from None
+    except ValueError:  # a limit of Python's, which speaks to its programmers
+        raise InputError(f"{source} has a number of thousands of digits") from None
 
 
 def _deepest_key(text: str) -> int:
