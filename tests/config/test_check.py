@@ -272,3 +272,7 @@ def test_the_gap_map_has_its_own_coordinates_whatever_walls_are_named_beside_it(
     found = problems({**GAP, "study": "cobweb", "vary": {}, "walls": "A=newton", "settings": {"state": [0.1]}})
     assert "walls: the map gap has no wall; leave them out" in found
     assert not any("coordinates" in line for line in found)
+
+
+def test_a_mass_that_is_not_finite_is_told_what_a_mass_may_be():
+    assert problems({**DIAGRAM, "mass": "inf"}) == ["mass = inf is not finite; allowed is mass > 0, finite"]
