@@ -264,3 +264,21 @@ def test_parameters_are_described_once():
 def test_a_setting_at_the_top_of_a_file_is_told_where_it_belongs():
     found = problems({**DIAGRAM, "vary": {"d": "0:1:3"}, "starts": 3})
     assert found[0].startswith("starts: unknown key here; it belongs in [settings]; allowed are study, map")
+
+
+# ---- messages that name the wrong thing
+
+
+def test_a_name_that_is_no_file_and_name_is_not_said_to_be_code_that_must_be_named_where_it_is():
+    assert problems({**DIAGRAM, "model": "classic"}) == ["model = 'classic'; give file.py:name"]
+    assert problems({**DIAGRAM, "model": "classic"}, code="trust") == ["model = 'classic'; give file.py:name"]
+
+
+def test_the_gap_map_has_its_own_coordinates_whatever_walls_are_named_beside_it():
+    found = problems({**GAP, "study": "cobweb", "vary": {}, "walls": "A=newton", "settings": {"state": [0.1]}})
+    assert "walls: the map gap has no wall; leave them out" in found
+    assert not any("coordinates" in line for line in found)
+
+
+def test_a_mass_that_is_not_finite_is_told_what_a_mass_may_be():
+    assert problems({**DIAGRAM, "mass": "inf"}) == ["mass = inf is not finite; allowed is mass > 0, finite"]

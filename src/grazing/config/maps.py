@@ -133,6 +133,8 @@ def names_of(config: Mapping[str, Any]) -> tuple[list[str], list[str]]:
         P = own_object(kind)
         assert isinstance(P, Map)
         return list(P.params), list(P.coordinates)
+    if kind == "gap":
+        return _names(kind, LAW, "k", 0, 0)
     if config.get("model"):
         P = section_of(own_model(config["model"]), {**config, "parameters": {}})
         return list(P.params), list(P.coordinates)

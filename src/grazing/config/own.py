@@ -127,6 +127,8 @@ def own_object(text: str, key: str = "map") -> Map | Model:
     UserCodeError
         If the file cannot be run.
     """
+    if not is_own(text):
+        raise InputError(f"{key} = {shown(text)}; give file.py:name")
     if not isinstance(text, Named):
         raise not_named(text, key)
     file, _, name = text.rpartition(":")

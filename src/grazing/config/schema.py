@@ -59,7 +59,10 @@ Curves = optional(
     lambda value: values.curves(value, "curves"),
     {"type": "array", "items": {"anyOf": [{"type": "integer", "minimum": 1}, {"type": "string"}]}},
 )
-Mass = optional(lambda value: MASS.check(values.number(value, "mass")), {"type": "number", "exclusiveMinimum": 0.0})
+Mass = optional(
+    lambda value: MASS.check(values.number(value, "mass", f"allowed is {MASS.allowed}")),
+    {"type": "number", "exclusiveMinimum": 0.0},
+)
 Moved = optional(lambda value: base_of(value).alone.text, {"type": "string"})
 Units = optional(
     lambda value: ",".join(checked_units(value, "units")),
