@@ -277,7 +277,11 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
         if not equals or not name:
             file = f"; a file is given with --config {token}" if token.endswith(".toml") else ""
             problems.append(Problem((), f"{token!r} is not {_forms(study)}{file}"))
-        elif ("vary", name) in given.here or ("parameters", name) in given.words:
+        elif (
+            name in states
+            or given.here & {("vary", name), ("settings", "fixed", name)}
+            or (("parameters", name) in given.words)
+        ):
             problems.append(Problem((), f"{token!r}: {name} is given twice"))
         elif token in ranges:
             put(given, ("vary", name), DEFAULT if text == ":" else text)
@@ -296,6 +300,8 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
             )
             said = f"the initial state lacks {', '.join(missing)}; give {', '.join(coordinates)}{turned}"
             problems.append(Problem((), said))
+        if ("settings", "state") in given.here:
+            problems.append(Problem((), f"the initial state is given twice: by --state, and by {', '.join(states)}"))
         put(given, ("settings", "state"), [states.get(name, "0") for name in coordinates])
     return problems
 
