@@ -18,7 +18,7 @@ from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
 from grazing.pool import LOCK
-from grazing.proof.enclose import enclosed_curve, end_of, units_of
+from grazing.proof.curve import enclosed_curve, end_of, units_of
 from grazing.proof.expression import NotAnExpression
 from grazing.proof.krawczyk import NoConvergence
 from grazing.proof.reasons import NotProven, Open, Stage
