@@ -76,7 +76,11 @@ class Problem:
         self.data, self.size = data, 2 * len(data["impacts"])
 
     def legs(self, x: Point, sensitive: bool = False) -> Table:
-        """Return the table at the parameter of a point, which may depend on it: ``sensitive``."""
+        """Return the table at the parameter of a point, which may depend on it: ``sensitive``.
+
+        It is not beyond the doubles, of which :meth:`grazing_checker.plane.Thing.elastic` takes all numbers to be.
+        """
+        demand(abs(x[self.size]) < number(1, 1024), "the parameter is larger than all doubles")
         return Table(self.data, Gradient(x[self.size], {self.size: number(1)}) if sensitive else x[self.size])
 
     def defect(self, x: Point, table: Table) -> Point:
@@ -279,6 +283,8 @@ def table_value_sentence(data: Mapping[str, Any]) -> str:
         rest = ", but for that dip, in which they are continued as if it were not there"
     else:
         event = EVENTS[data["type"]]
+        if data["energy"] is not None:  # across all energies one multiplier more is 1, and a product with it 0
+            event = event.replace(OUTSIDE, f"{OUTSIDE} at this energy")
         rest = f"; of the orbit at the first end of the curve: {ends[0]}, at the second: {ends[1]}"
     return (
         f"For {table_text(data)}; all parameters and the numbers in the laws taken as these exact doubles, there is a "

@@ -196,3 +196,36 @@ def test_quantities_vanish_where_multipliers_say(seed):
         for kind, value in known.items():
             assert found[kind] == pytest.approx(value.real, abs=1e-9 * (1 + max(map(abs, roots))) ** 6)
         assert (apart < 0) == bool(pair.imag)
+
+
+@pytest.mark.parametrize("length", [900, 1100])
+def test_a_parameter_is_of_the_size_of_doubles(length):
+    """Beyond them the law might be another one than it is at the speeds at which it is asked whether it is elastic."""
+    time = length - 300
+
+    def units(data):
+        """The same orbit with the energy -4^300, its lengths and times by these powers of two."""
+        speed, sizes = length - time, (0, time, length)
+
+        def scaled(texts):
+            return [one if one == "0x0p0" else f"{one.partition('p')[0]}p{int(one.partition('p')[2]) + k}"
+                    for one, k in zip(texts, sizes, strict=True)]  # fmt: skip
+
+        for one in (data, *data["ends"]):
+            one |= {name: scaled(one[name]) for name in ("centre", "radius")}
+        C = [[float.fromhex(one) for one in row] for row in data["preconditioner"]]
+        data["preconditioner"] = [
+            [(C[i][j] * 2.0 ** (sizes[i] - (j + 1) * speed)).hex() for j in range(2)] for i in range(2)
+        ]
+        data["g"], data["energy"] = (2.0 ** (speed - time)).hex(), (-(2.0 ** (2 * speed))).hex()
+
+    if length == 900:
+        assert check(changed("elastic pd", units))
+    else:
+        refused("elastic pd", units, "the parameter is larger than all doubles")
+
+
+def test_where_energy_is_conserved_the_multipliers_are_those_at_one_energy():
+    """Across all energies one more is 1, so that the product of 1 - L has no sign."""
+    said = "of the map from impact to impact at this energy is"
+    assert [name for name in TABLE_VALUE_NAMES if said in table_value_bases()[name]["statement"]] == ["elastic pd"]
