@@ -105,3 +105,33 @@ def test_at_a_graze_a_flight_just_touches_a_bumper_and_the_branch_goes_on_virtua
         way = x + (x1 - x) * t / T, y + (y1 - y) * t / T + 0.5 * g * t * (T - t)
         gaps.append((np.hypot(way[0] - 4.0, way[1] - graze.value) - 0.6).min())
     assert abs(min(gaps)) < 1e-9
+
+
+def up_and_down(thing, r=0.78, V=0.3):
+    """A ball that rises by (V/(1 - r))^2/2 from the bottom of a bowl at -2, and something in its way."""
+    P = gz.collision_map(gz.table([*bowl(r=r, V=V).objects, thing], tilt=0.5 * np.pi))
+    (orbit,) = gz.periodic_orbits(P, word="(bowl)", starts=5)
+    return orbit
+
+
+def test_a_ball_without_a_radius_touches_a_lid():
+    orbit = up_and_down(gz.segment("lid", (-1.0, -0.5), (1.0, -0.5), gz.newton(0.5)))
+    (touch,) = (one for one in gz.continuation(orbit.map, orbit, "bowl.V", (0.28, 0.4)).special if one.type == "gr")
+    assert touch.value == pytest.approx(0.22 * 3**0.5, rel=1e-12)
+
+
+def test_the_outer_side_of_a_bowl_is_not_in_the_way_of_a_ball_inside():
+    """It was the nearest to every flight that stays below the centre, and hid what was touched."""
+    orbit = up_and_down(gz.disc("post", (0.5, -1.3), 0.2, gz.newton(0.5)))
+    (touch,) = gz.continuation(orbit.map, orbit, "post.x", (0.15, 0.5)).special
+    assert touch.type == "gr" and touch.value == pytest.approx(0.2, rel=1e-12)
+
+
+def test_a_flight_through_the_centre_of_a_bowl_touches_nothing():
+    """Just there the nearest place of the bowl is on the other side, and rounding says on which."""
+    P = gz.collision_map(gz.table(bowl(radius=2e6, r=0.76, V=4.9e5).objects, g=5e5, tilt=0.5 * np.pi))
+    (orbit,) = gz.periodic_orbits(P, word="(bowl)", starts=5)
+    equations, x = equations_of(orbit, ("bowl.V",))
+    for turned in np.arange(-3, 4) * np.spacing(x[0]):
+        (dip,) = (one for one in equations.tests(x + np.array([turned, 0.0]), np.array([4.9e5])) if one.type == "gr")
+        assert dip.value > 0.0

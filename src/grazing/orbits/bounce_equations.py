@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import pi
 from typing import Any, Self
 
 import numpy as np
@@ -168,22 +167,36 @@ def equations_of_bounces(orbit: BounceOrbit, names: tuple[str, ...], spans: Any)
 def dips(bounces: Bounces, x: Floats, every: tuple[Surface, ...]) -> list[float]:
     """Return for each flight its least distance from a surface on the way, in sizes of that; 1 where none is nearer.
 
-    Least values count that lie between the ends of the flight; negative ones where it passes through an object.
+    Least values count that lie between the ends of the flight; negative ones where it passes through an object. Of the
+    two sides of a segment or an arc that counts from which the ball comes to the least value, and to which it goes.
     """
     n, g = bounces.n, bounces.g
     p, _normal, _m = bounces.frames(x[:n])
     w, _b = bounces.velocities(x)
     found = []
-    for (px, py), (vx, vy), tau in zip(p.T.tolist(), w.T.tolist(), x[n:].tolist(), strict=True):
-        least = 1.0
+    for i, ((px, py), (vx, vy), tau) in enumerate(zip(p.T.tolist(), w.T.tolist(), x[n:].tolist(), strict=True)):
+        least, own = 1.0, (bounces.word[i], bounces.word[(i + 1) % n])
         for one in every:
             dx, dy = px - one.x, py - one.y
             times = turning(dx, dy, vx, vy, g) if one.round else face_turning(one, vx, vy, g)
-            for t in times:
-                if ENDS * tau < t < (1.0 - ENDS) * tau:
-                    least = min(least, distance_from(one, dx + vx * t, dy + (vy - 0.5 * g * t) * t))
+            inside = sorted(t for t in times if ENDS * tau < t < (1.0 - ENDS) * tau)
+            places = [(dx + vx * t, dy + (vy - 0.5 * g * t) * t) for t in (0.0, *inside, tau)]
+            sides = [side_of(one, bounces.table.rho, *place) for place in places]
+            for k, end in ((0, own[0]), (-1, own[1])):
+                if (end.owner, end.x, end.y, end.round) == (one.owner, one.x, one.y, one.round):  # rounding moves it
+                    sides[k] = 1.0 if end.sign == one.sign else -1.0
+            for k, place in enumerate(places[1:-1], 1):
+                if sides[k - 1] > 0.0 and sides[k + 1] > 0.0:
+                    least = min(least, distance_from(one, bounces.table.rho, *place))
         found.append(least)
     return found
+
+
+def side_of(one: Surface, rho: float, dx: float, dy: float) -> float:
+    """Return what is > 0 where a place, seen from the point of a surface, is on its side of the object."""
+    if one.round:
+        return one.sign * (float(np.hypot(dx, dy)) - one.size) + rho
+    return one.sign * (one.ey * dx - one.ex * dy)
 
 
 def turning(dx: float, dy: float, vx: float, vy: float, g: float) -> list[float]:
@@ -201,12 +214,14 @@ def face_turning(face: Surface, vx: float, vy: float, g: float) -> list[float]:
     return [(vx * nx + vy * ny) / (g * ny)] if g * ny < 0.0 else []
 
 
-def distance_from(one: Surface, dx: float, dy: float) -> float:
-    """Return how far a place, seen from the point of a surface, is in front of it in its sizes; 1 if beside it."""
+def distance_from(one: Surface, rho: float, dx: float, dy: float) -> float:
+    """Return how far a place, seen from the point of a surface, is in front of it in its sizes; 1 if beside it.
+
+    Nothing is beside a free end: where the ball is nearer to what ends there, it is in front of that.
+    """
     if one.round:
-        if not one.whole and one.high - one.low != pi and not one.holds(float(np.arctan2(dy, dx))):
-            return 1.0
-        return one.sign * (float(np.hypot(dx, dy)) - one.size) / one.size
-    nx, ny, foot = one.sign * one.ey, -one.sign * one.ex, dx * one.ex + dy * one.ey
-    out = nx * dx + ny * dy
-    return (out - one.size) / one.high if 0.0 <= foot <= one.high and out >= 0.0 else 1.0
+        end = one.sign > 0.0 and one.size <= rho
+        beside = not one.whole and not end and not one.holds(float(np.arctan2(dy, dx)))
+        return 1.0 if beside else one.sign * (float(np.hypot(dx, dy)) - one.size) / one.size
+    out, foot = one.sign * (one.ey * dx - one.ex * dy), dx * one.ex + dy * one.ey
+    return (out - one.size) / one.high if 0.0 <= foot <= one.high else 1.0
