@@ -2,6 +2,7 @@
 
 from math import asin, pi, sqrt
 
+import numpy as np
 import pytest
 
 import grazing as gz
@@ -74,6 +75,19 @@ def test_the_values_are_those_of_branches():
     assert 0.5 * (low + high) == pytest.approx(pair.value, rel=1e-9)
 
 
+@pytest.mark.parametrize("scale", [1.0, 1e6])
+def test_a_fold_is_found_in_any_unit_of_length(scale):
+    (orbit, *_others) = found(bowl(radius=2.0 * scale, r=0.8, V=0.262 * scale, g=scale), "(bowl)", period=3)
+    low, high = enclosed(orbit, "lp", "bowl.V")
+    assert low / scale < 0.26106498194244282 < high / scale
+
+
+def test_an_object_whose_name_no_certificate_holds_is_named():
+    disc = gz.disc("Ä", (9.0, 9.0), 1.0, gz.newton(0.5))
+    (orbit,) = found(gz.table([*bowl(r=0.78).objects, disc], tilt=0.5 * pi), "(bowl)")
+    assert "an object cannot be called 'Ä'" in gz.enclose(orbit, "pd", "bowl.r").reason
+
+
 def test_a_tip_is_touched_and_the_sentence_says_so():
     orbit = found(beside_a_tip(-0.85), "(bowl)", period=3)[1]
     certificate = gz.enclose(orbit, "gr", "wire.y2")
@@ -95,6 +109,8 @@ def test_names_and_kinds_that_are_none_are_refused():
     orbit = found(active_discs(3.0), "AB")[0]
     with pytest.raises(gz.InputError, match="kind is 'bp'; allowed are pd, lp, ns, gr"):
         gz.enclose(orbit, "bp", "A.V")
+    with pytest.raises(gz.InputError, match="kind is array"):
+        gz.enclose(orbit, np.array("pd"), "A.V")
     with pytest.raises(gz.InputError, match=r"V stands for A\.V and B\.V and C\.V; name one of them"):
         gz.enclose(orbit, "pd", "V")
     with pytest.raises(gz.InputError, match=r"unknown parameter 'D\.V' of the table\. Did you mean 'C\.V'"):

@@ -76,8 +76,9 @@ class Along(ABC):
             raise NotProven("the equations of the orbit have no derivative there; give another orbit") from None
 
     def _steepest(self, x: Point) -> int:
-        """Return the coordinate that changes most along the curve."""
-        return int(np.argmax(np.abs(self._tangent(x))))
+        """Return the coordinate that changes most along the curve, in its natural size."""
+        sizes = [*map(float, self.equations.scales(x, self.equations.flights(x))), self.equations.unit(x)]
+        return int(np.argmax(np.abs(self._tangent(x)) / sizes))
 
     @abstractmethod
     def test(self, x: Point) -> arb:

@@ -195,7 +195,7 @@ def _lowest(h: Polynomial, long: float) -> list[arb]:
 def prove_table_value(orbit: BounceOrbit, kind: str, name: str) -> tuple[dict[str, Any], list[dict[str, str]]]:
     """Return data and inequalities of the certificate of a bifurcation on a table, or raise NotProven."""
     table = orbit.map.origin.impacts_on
-    if kind not in (*checker.EVENTS, "gr"):
+    if not isinstance(kind, str) or kind not in (*checker.EVENTS, "gr"):
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join((*checker.EVENTS, 'gr'))}")
     name, *others = named_by(checked_name(name, table.params, "the table"), table.params)
     if others:
@@ -205,6 +205,7 @@ def prove_table_value(orbit: BounceOrbit, kind: str, name: str) -> tuple[dict[st
             data = {**described(orbit), **unknown(orbit, name)}
             start = [arb(float(x)) for x in (*orbit.along, *orbit.durations, table.params[name])]
             _clear(data, name)
+            checker.Problem(data).legs(start)  # says which name of an object or which law is none
             (xs, ys) = orbit.corners.T
             size = hypot(float(np.ptp(xs)), float(np.ptp(ys))) or float(np.abs(orbit.corners).max()) or 1.0
             return _proof(TableEquations(data, name, size), data, kind, start)
