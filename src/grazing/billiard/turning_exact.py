@@ -132,7 +132,8 @@ def _at_rest(
         within = foot, exact(row[LONG]) - foot
     spread = abs(state[0]) + abs(state[1]) + float(row[TIP] + row[ARM] if kind == AT_TIP else row[SIZE])
     gap = made(surface, int(row[OWNER]), h, within, fresh, spread, scale)
-    pressed = fresh and h[1] < 0  # it has begun to move towards the ball
+    rate = SHARE * scale * (abs(state[2]) + abs(state[3]))
+    pressed = fresh and h[1] < -exact(rate)  # it has begun to move towards the ball
     roots = [Root(arb(0), gap, False)] if pressed else roots_of(gap)
     found = []
     for root in roots:
