@@ -136,7 +136,8 @@ def ride(x: float, y: float, vx: float, vy: float, surface: int, clock: float, t
             flags |= TOO_MANY_IMPACTS if press * row[TIP] > q * q else OK
             return (surface, LEAVES, t, flags), state
         if foot <= width and rate <= 0.0:
-            hub = onto(surface, element(surface, clock + t, table), state[0], state[1], nx, ny, clock + t, table)
+            el = element(surface, clock + t, table)
+            hub = onto(surface, el, state[0], state[1], nx, ny, -way, clock + t, table)
             return (max(hub, surface if hub < 0 else hub), ONTO if hub >= 0 else LEAVES, t, flags), state
         step, hit = around(surface, own, t, clock, state, 2.0 * (g + spin * (2.0 * fast + spin * size)), table)
         if hit >= 0:
