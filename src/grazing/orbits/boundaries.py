@@ -14,9 +14,9 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from grazing.maps.map import Map
 from grazing.maps.normal_form import steady_minimum
@@ -186,7 +186,8 @@ def free_grazes(model: Oscillator, along: Range) -> list[float]:
     values = np.linspace(along.low, along.high, CELLS + 1).tolist()
     heights = [height(value) for value in values]
     return [
-        float(brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0 else ends[0 if a == 0.0 else 1]
+        float(scipy.optimize.brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0
+        else ends[0 if a == 0.0 else 1]
         for ends, (a, b) in zip(pairwise(values), pairwise(heights), strict=True) if a * b < 0.0 or b == 0.0
     ]  # fmt: skip
 
