@@ -254,3 +254,11 @@ def test_slopes_of_the_naive_map_agree():
     for orbit in theory.word_orbits("LLRLR", 0.9, 0.3, 0.0):
         if orbit.admissible:
             assert orbit.multiplier == pytest.approx(math.prod(slope(x, 0.9) for x in orbit.points))
+
+
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize(("word", "mu"), [("LRR", 2.5), ("LR", 1e-323)])
+def test_slopes_below_all_numbers_are_no_error(word, mu):
+    """Their quotient was 0, of which there is no logarithm, or 0/0."""
+    for one in theory.word_orbits(word, 5e-324, mu, 0.8):
+        assert one.residual < 1e-12
