@@ -257,8 +257,7 @@ def test_slopes_of_the_naive_map_agree():
 
 
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize(("word", "mu"), [("LRR", 2.5), ("LR", 1e-323)])
-def test_slopes_below_all_numbers_are_no_error(word, mu):
-    """Their quotient was 0, of which there is no logarithm, or 0/0."""
-    for one in theory.word_orbits(word, 5e-324, mu, 0.8):
+def test_slopes_below_all_numbers_are_no_error():
+    """Their quotient was 0, of which there is no logarithm."""
+    for one in theory.word_orbits("LRR", 5e-324, 2.5, 0.8):
         assert one.residual < 1e-12
