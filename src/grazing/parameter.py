@@ -146,6 +146,12 @@ def in_order(values: Any) -> Any:
     return values
 
 
+def refuse_ends(low: float, high: float, said: str) -> None:
+    """Raise InputError for the ends of a range, which are ``said``, unless the first is the lower one."""
+    if not low < high:
+        raise InputError(f"{said}; {'both ends are the same' if low == high else 'the lower end must come first'}")
+
+
 def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
     """Return a box as pairs of floats, one per coordinate, or raise InputError."""
     wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
@@ -158,8 +164,7 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
     checked = []
     for (low, high), name in zip(pairs, coordinates, strict=True):
         ends = real(low, f"box of {name}", "finite ends"), real(high, f"box of {name}", "finite ends")
-        if not ends[0] < ends[1]:
-            raise InputError(f"box of {name} is ({low:g}, {high:g}); the lower end must come first")
+        refuse_ends(*ends, f"box of {name} is ({low:g}, {high:g})")
         checked.append(ends)
     return tuple(checked)
 

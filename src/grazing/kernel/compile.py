@@ -205,8 +205,10 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     options["forceinline"] = getattr(function, "inlined", False)
     way: dict[str, Any] = {}
     if not plain():
+        from grazing.kernel.linking import link_carefully
         from grazing.kernel.pipeline import pipeline
 
+        link_carefully()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
     if role != "part":

@@ -24,7 +24,7 @@ from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_si
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, OutsideForm, shown
-from grazing.parameter import Parameter, checked_periods, in_order
+from grazing.parameter import Parameter, checked_periods, in_order, refuse_ends
 
 Floats = NDArray[np.float64]
 
@@ -289,8 +289,7 @@ def _range(value: Any, which: str) -> Range:
     if ends.size < 2 or not np.isfinite(ends).all():
         raise InputError(wanted)
     low, high = (float(ends.min()), float(ends.max())) if len(rest) == 1 else (float(ends[0]), float(ends[1]))
-    if not low < high:
-        raise InputError(f"{which} runs from {low:g} to {high:g}; the lower end must come first")
+    refuse_ends(low, high, f"{which} runs from {low:g} to {high:g}")
     return Range(name, low, high)
 
 

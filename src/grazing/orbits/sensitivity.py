@@ -178,7 +178,7 @@ class Edge:
     def starts(self) -> list[Floats]:
         """Return the variables (phase, time, row) of orbits that may be the one at the edge, the likeliest first."""
         phases = self.phases()
-        here = np.array([[phase, 0.0, *self.row] for phase in phases]).reshape(len(phases), -1)
+        here = np.array([[phase, 0.0, *self.row] for phase in phases]).reshape(-1, 2 + len(self.row))
         values = np.abs(self.evaluated(here)[:, self.columns[1]]) if len(here) and self.kind != "gr" else None
         found = []
         for x in here if values is None else here[np.argsort(values, kind="stable")]:

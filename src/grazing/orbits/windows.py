@@ -24,7 +24,7 @@ from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
-from grazing.parameter import checked_name, checked_periods, unknown, value_of, whole
+from grazing.parameter import checked_name, checked_periods, refuse_ends, unknown, value_of, whole
 
 #: What ends a window, in words.
 EDGES = {
@@ -328,8 +328,7 @@ def _span(model: Rig, name: str, span: Any) -> tuple[float, float]:
         except (TypeError, ValueError):
             raise InputError(f"span is {shown(span)}; give the pair (low, high) of values of {name}") from None
         low, high = parameter.check(low), parameter.check(high)
-        if not low < high:
-            raise InputError(f"span of {name} is ({low:g}, {high:g}); the lower end must come first")
+        refuse_ends(low, high, f"span of {name} is ({low:g}, {high:g})")
         for value in (low, high):  # some are out of range beside the others only
             refuse_swings(model.replace(**{name: value}))
         return low, high
