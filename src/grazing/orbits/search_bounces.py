@@ -18,7 +18,7 @@ from grazing.orbits.bounce_guesses import guessed
 from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, corrected_word, inside
 from grazing.orbits.bounces import Bounces, conserves, solid_surfaces
 from grazing.orbits.finder import LONGEST_WORDS, Finder, Looked, Tally, Wanted
-from grazing.orbits.sight import gain_of, one_at_most, one_way, unseen
+from grazing.orbits.sight import gain_of, has_parallels, one_at_most, one_way, unseen
 from grazing.orbits.word import least_rotation, primitive, word
 from grazing.outcome import InputError
 
@@ -87,15 +87,6 @@ class Words:
                 return reason
         return one_way(self.table, letters)
 
-    def shifted(self, sequence: Sequence[int]) -> bool:
-        """Whether an orbit of a sequence has others beside it: an even number of faces shifts all parallels."""
-        return len(sequence) % 2 == 0 and not any(self.surfaces[k].round for k in sequence)
-
-    def doubled(self, sequence: Sequence[int]) -> bool:
-        """Whether it is an odd number of faces twice: the parallels of an orbit of these close after two turns."""
-        once = primitive(sequence)
-        return self.shifted(sequence) and len(sequence) == 2 * len(once) and len(once) % 2 == 1
-
     def sequences(self, n: int, letters: Sequence[int] | None) -> Iterator[tuple[int, ...]]:
         """Yield the cyclic sequences of n surfaces that nothing forbids, by their numbers in the list.
 
@@ -148,9 +139,12 @@ def bounce_orbits(
             owners = tuple(words.surfaces[k].owner for k in one)
             if one_way(table, owners):
                 continue
-            if one_at_most(table, owners) and primitive(one) != one:
-                found.single &= not words.doubled(one)
-                continue  # else it would go round the orbit of a shorter word
+            if one_at_most(table, owners):
+                once = len(primitive(one))
+                if len(one) == once * (1 + once % 2) and has_parallels([words.surfaces[k] for k in one]):
+                    found.single = False
+                if len(one) > once:
+                    continue  # it would go round the orbit of a shorter word
             sequences.append(one)
             if len(sequences) > MOST_WORDS:
                 raise InputError(
@@ -217,7 +211,6 @@ def _solve(
         for x in distinct(bounces, good):
             if inside(bounces, x):
                 solved.add(spelled)
-                found.single &= not words.shifted(one)
                 found.orbits.append(bounce_orbit(P, *begun(bounces, x)))
     found.missing += [one for one in met if one not in solved and one not in found.families]
     found.families = list(dict.fromkeys(found.families))
