@@ -3,7 +3,7 @@
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
 import { dark } from "./colours.js";
-import { plainSymbol, typeset } from "./controls.js";
+import { nodes, plainSymbol, typeset } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";

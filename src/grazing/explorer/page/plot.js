@@ -2,6 +2,7 @@
 /** Axes on a canvas: places of numbers, ticks, labels. */
 import { theme } from "./colours.js";
 import { scaleLinear } from "./d3.mjs";
+import { pieces } from "./names.js";
 import { Recorder } from "./svg.js";
 
 /** @typedef {import("./svg.js").Pen} Pen */
@@ -46,6 +47,23 @@ export function scaled(low, high, about) {
 
 /** Ticks at round numbers. @param {number} low @param {number} high @param {number} about how many */
 export const ticks = (low, high, about) => scaled(low, high, about).ticks;
+
+/** Write a text as `fillText` does, with the subscripts of σ_B and its like set below. @param {Pen} c @param {string} text @param {number} x @param {number} y */
+export function inscribe(c, text, x, y) {
+  const parts = pieces(text), { font, textAlign: align } = c;
+  if (parts.length < 2) return c.fillText(text, x, y);
+  const as = (/** @type {number} */ i) => (c.font = i % 2 ? font.replace(/[\d.]+px/, (size) => `${Math.max(TEXT, 0.75 * parseFloat(size))}px`) : font);
+  const wide = parts.map((part, i) => (as(i), c.measureText(part).width));
+  let left = x - wide.reduce((sum, each) => sum + each, 0) * (align === "right" ? 1 : align === "center" ? 0.5 : 0);
+  c.textAlign = "left";
+  parts.forEach((part, i) => {
+    as(i);
+    c.fillText(part, left, y + (i % 2 ? 4 : 0));
+    left += wide[i];
+  });
+  c.font = font;
+  c.textAlign = align;
+}
 
 /** What is written at an axis whose numbers are scaled. @param {string} label @param {{base: number, power: number}} scale */
 function beside(label, { base, power }) {
@@ -180,11 +198,11 @@ export class Axes {
     c.font = "italic 17px Georgia, 'Times New Roman', serif";
     c.textBaseline = "bottom";
     c.textAlign = "right";
-    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 42);
+    inscribe(c, beside(labelX, across), box.x + box.w, box.y + box.h + 42);
     c.textAlign = "left";
     c.textBaseline = "top";
     const up = beside(labelY, upwards);
-    if (up === labelY) c.fillText(labelY, 6, 2);
+    if (up === labelY) inscribe(c, labelY, 6, 2);
     else {
       // too long for the margin: inside, over what is drawn, which is seen through
       c.globalAlpha = 0.75;
@@ -192,7 +210,7 @@ export class Axes {
       c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 22);
       c.globalAlpha = 1;
       c.fillStyle = ink;
-      c.fillText(up, box.x + 6, box.y + 3);
+      inscribe(c, up, box.x + 6, box.y + 3);
     }
     c.font = FONT;
   }
