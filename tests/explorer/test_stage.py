@@ -84,6 +84,30 @@ def test_before_a_room_nothing_is_smaller_than_24_pixels(browser, address, view)
     assert shown.errors == []
 
 
+def test_before_a_room_all_orbits_are_named_and_no_coordinates(browser, address):
+    context, shown = opened(browser, address, "oscillator", (1920, 1080))
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1225")
+    shown.until("() => document.getElementById('summary').innerText.includes('word')")
+    assert "(0.0" in shown.page.inner_text("#summary")
+    shown.page.keyboard.press("p")
+    said = shown.page.inner_text("#summary")
+    assert "word 0001" in said and "word 001;" in said and "(0." not in said
+    bottoms = shown.page.evaluate(
+        "() => [...document.querySelectorAll('#summary .chip')].map(e => e.getBoundingClientRect().bottom)"
+    )
+    assert len(bottoms) == 2 and max(bottoms) < shown.page.evaluate(
+        "() => document.querySelector('.below').getBoundingClientRect().bottom"
+    )
+    shown.page.click("#more")
+    assert shown.page.inner_text("#more") == "Fewer controls"
+    shown.page.click("#more")
+    assert shown.page.inner_text("#more") == "All controls"
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1305&tour=3")
+    shown.until("() => explorer.state().tour === 3")
+    assert shown.page.is_hidden("#summary")  # the step says what is shown
+    context.close()
+
+
 def test_it_begins_and_ends_by_key_and_button(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=60")
     before = shown.pixels("strip")

@@ -198,7 +198,7 @@ export class EdgesView {
   summary() {
     const { lam, l, mu, periods } = /** @type {State} */ (this.state);
     const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `At l = ${l}, μ = ${mu}, λ = ${lam}:` }]);
-    for (const each of this.classes ?? []) said.push({ colour: periodColour(each.period), text: words(each) });
+    said.push(...words(this.classes ?? []));
     if (l < 0) return [...said, { text: "The windows of theory are known for l ≥ 0." }];
     const { table } = this.machine.call("edges", { periods: periods[1], lam, l }, ["table"]);
     const last = Math.min(periods[1], periods[0] + SAID - 1);

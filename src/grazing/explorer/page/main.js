@@ -225,12 +225,13 @@ function spanSliders(diagram) {
 }
 
 /** A text after a chip of its colour. @param {import("./state.js").Line} line */
-function chipped({ colour, text }) {
-  if (!colour) return [text];
-  const chip = document.createElement("i");
+function chipped({ colour, text, exact = "" }) {
+  const chip = document.createElement("i"), rest = document.createElement("span");
   chip.className = "chip";
-  chip.style.background = colour;
-  return [chip, text];
+  chip.style.background = colour ?? "";
+  rest.className = "exact";
+  rest.textContent = exact;
+  return [...(colour ? [chip] : []), ...nodes(text), ...(exact ? [rest] : [])];
 }
 
 /** Say in words what is shown. */
