@@ -17,8 +17,8 @@ export const enlarged = () => (document.body.classList.contains("presenting") ? 
 
 /** Letters of a tick's number for which there is room; longer ones are told as what is left beside a common part. */
 const ROOM = 7;
-/** Ticks at most. */
-const MOST = 100;
+/** Ticks at most, and at least where double precision has them: one alone is no scale. */
+const MOST = 100, LEAST = 2;
 
 const minus = (/** @type {string} */ text) => text.replace("-", "−");
 const raised = (/** @type {number} */ power) => [...String(power)].map((each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(each)]).join("");
@@ -28,7 +28,9 @@ const raised = (/** @type {number} */ power) => [...String(power)].map((each) =>
  * @param {number} low @param {number} high @param {number} about how many
  */
 export function scaled(low, high, about) {
-  const values = scaleLinear([low, high], [0, 1]).ticks(Math.min(Math.max(about, 1), MOST));
+  const { ticks } = scaleLinear([low, high], [0, 1]);
+  let values = ticks(Math.min(Math.max(about, 1), MOST));
+  for (let more = Math.max(about, 1) + 1; values.length < LEAST && more < MOST; more++) values = ticks(more);
   const step = values.length > 1 ? values[1] - values[0] : high - low;
   const places = 1 - Math.floor(Math.log10(step));
   const texts = (/** @type {number} */ base, /** @type {number} */ power) => values.map((value) => ({
@@ -181,7 +183,7 @@ export class Axes {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.textBaseline = "top";
-    const across = scaled(this.x0, this.x1, box.w / 95), upwards = scaled(this.y0, this.y1, box.h / 50);
+    const across = scaled(this.x0, this.x1, box.w / 130), upwards = scaled(this.y0, this.y1, box.h / 50);
     const edge = box.x + box.w + this.margin.right - 1;
     for (const { value, text } of across.ticks) {
       const x = this.x(value);
