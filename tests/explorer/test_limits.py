@@ -227,13 +227,18 @@ def test_numbers_beyond_double_precision_and_on_the_way_to_them(shown, address):
 def test_what_cannot_be_shown_leaves_no_words_and_nothing_to_copy(shown, address):
     shown.open(f"{address}#version=2&view=edges&lam=0.5")
     assert shown.page.inner_text("#summary")
-    shown.page.evaluate("location.hash = 'version=2&view=edges&lam=1'")
+    shown.page.evaluate("""() => {
+      const pen = explorer.views.edges.axes.context;
+      globalThis.drawn = [];
+      pen.fillText = (text) => drawn.push(text);
+      pen.stroke = () => drawn.push("a line");
+      location.hash = "version=2&view=edges&lam=1";
+    }""")
     shown.until("() => explorer.state().lam === 1")
     assert "could not be made" in shown.problem() and shown.page.inner_text("#summary") == ""
-    pixels = (
-        "const c = document.getElementById('edges'); return c.getContext('2d').getImageData(0, 0, c.width, c.height)"
-    )
-    assert not shown.page.evaluate(f"() => {{ {pixels}.data.some(Boolean); }}")
+    drawn = " ".join(shown.page.evaluate("drawn"))
+    assert drawn.startswith("No picture: ") and "a line" not in drawn
+    assert shown.page.get_attribute("#edges", "data-stage") == "failed"
     for kind in ("python", "command"):
         shown.page.click(f"[data-copy={kind}]")
         shown.until("() => document.getElementById('said').textContent.startsWith('there is no picture to copy')")

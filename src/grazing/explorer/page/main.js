@@ -146,7 +146,10 @@ function refresh() {
     console.error(error);
     // neither words nor picture of another state
     $("summary").replaceChildren();
-    for (const { sheet } of current()?.panels() ?? []) sheet.canvas.width += 0; // which clears it
+    const [first, ...others] = (current()?.panels() ?? []).map(({ sheet }) => sheet);
+    for (const sheet of others) sheet.begin();
+    first?.say(`No picture: ${wordsOf(error)}.`);
+    if (first) first.canvas.dataset.stage = "failed";
   }
 }
 

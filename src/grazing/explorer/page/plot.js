@@ -217,6 +217,20 @@ export class Axes {
     c.font = FONT;
   }
 
+  /** Write words in place of a picture. @param {string} text */
+  say(text) {
+    const c = this.begin(), middle = [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2].map((each) => each / this.zoom);
+    let lines = [""];
+    for (const word of text.split(" ")) {
+      const longer = `${lines[lines.length - 1]} ${word}`.trim();
+      lines = c.measureText(longer).width > Math.min(2 * middle[0] - 24, 560) ? [...lines, word] : [...lines.slice(0, -1), longer];
+    }
+    c.fillStyle = theme().faint;
+    c.textAlign = "center";
+    c.textBaseline = "middle";
+    lines.forEach((line, i) => c.fillText(line, middle[0], middle[1] + 20 * (i - (lines.length - 1) / 2)));
+  }
+
   /** Say in a corner how far the picture is, if it is one that takes more than half a second. @param {number} share @param {number} begun in milliseconds */
   progress(share, begun) {
     if (!(performance.now() - begun > 500)) return;
