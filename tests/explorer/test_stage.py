@@ -222,6 +222,16 @@ def test_all_sliders_of_the_opening_are_seen_without_scrolling(browser, address)
         assert len(bottoms) == 7 and max(bottoms) <= size[1]
 
 
+@pytest.mark.parametrize(("tour", "height"), [("", 450), ("&tour=2", 350)])
+def test_the_opening_needs_no_scrolling(browser, address, tour, height):
+    context, shown = opened(browser, address, "ball", (1920, 1080))
+    shown.page.goto(f"{address}#version=2&view=ball&columns=60{tour}")
+    shown.until("() => document.getElementById('summary').innerText.includes('starts')")
+    assert shown.page.evaluate("() => document.documentElement.scrollHeight") == 1080
+    assert shown.page.locator("#strip").bounding_box()["height"] > height
+    context.close()
+
+
 def test_a_slider_is_named_in_words_and_by_its_symbol(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=60")
     names = shown.page.evaluate(

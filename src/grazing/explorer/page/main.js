@@ -313,7 +313,8 @@ function build() {
   const again = () => (failed ? refresh() : page.repaint());
   stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
-  new ResizeObserver(again).observe($("figures"));
+  const sizes = new ResizeObserver(again);
+  for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }
 
 /** Take the state from the link. @param {string} hash */
