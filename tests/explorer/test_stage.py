@@ -119,6 +119,12 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert presenting(shown) and shown.pixels("strip") != before
     shown.page.keyboard.press("p")
     assert not presenting(shown)
+    shown.page.keyboard.press("p")
+    shown.page.keyboard.press("ArrowUp")
+    shown.page.keyboard.press("Escape")  # lets go of the ball that is aimed
+    assert presenting(shown)
+    shown.page.keyboard.press("Escape")
+    assert not presenting(shown)
     shown.page.focus("input[type=number][name=V]")
     shown.page.keyboard.press("p")  # a letter in a field is none of this
     assert not presenting(shown)
