@@ -91,7 +91,7 @@ def test_the_exponent_that_is_told(tour):
 
 
 def test_hits_without_end_come_to_rest(tour):
-    assert right(tour, "Chatter") == "Infinitely many, in a finite time"
+    assert right(tour, "Chatter") == "Yes, after a finite time"
     step = next(each for each in tour if each["title"] == "Chatter")
     assert words(map_of(step)) == {"C"}
 
