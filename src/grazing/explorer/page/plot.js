@@ -192,9 +192,13 @@ export class Axes {
     }
     c.textAlign = "right";
     c.textBaseline = "middle";
+    let last = Infinity;
     for (const { value, text } of upwards.ticks) {
-      c.fillRect(box.x - 5, this.y(value) - 0.5, 4, 1);
-      c.fillText(text, box.x - 8, this.y(value));
+      const y = this.y(value);
+      if (last - y < TEXT) continue; // in a low picture there is no room for it
+      c.fillRect(box.x - 5, y - 0.5, 4, 1);
+      c.fillText(text, box.x - 8, y);
+      last = y;
     }
     c.fillStyle = ink;
     c.font = "italic 17px Georgia, 'Times New Roman', serif";

@@ -2,7 +2,7 @@
 /** The ball above its bumper, as the pen of a chart recorder: u over time, the word of impacts, and the force. */
 import { faded, theme } from "./colours.js";
 import { Past } from "./past.js";
-import { Axes } from "./plot.js";
+import { Axes, enlarged } from "./plot.js";
 import { numeral } from "./state.js";
 import { moved, swing } from "./walls.js";
 
@@ -14,6 +14,8 @@ import { moved, swing } from "./walls.js";
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
 const TURN = 84, RIGHT = 108, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
+/** Parts of the curve of the force, and a height of the picture that has no room for it. */
+const STEPS = 160, LOW = 240;
 /** What is left in the next frame of room that is no more needed. */
 const SETTLES = 0.9;
 /** Milliseconds for which an impact flashes. */
@@ -26,12 +28,14 @@ export class Strip {
 
   /** @param {HTMLElement | null} canvas */
   constructor(canvas) {
-    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30, bottom: WORD + FORCE + BALL + 22 });
+    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30 });
   }
 
   /** @param {Scene} given */
   draw(given) {
-    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
+    const { axes } = this, low = axes.canvas.clientHeight / enlarged() < LOW;
+    axes.margin.bottom = WORD + BALL + (low ? 8 : FORCE + 22);
+    const c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
     const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
     const turns = Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
     const bottom = scene.walls.sigma - swing(scene.walls), top = this.#reach(scene, last - turns);
@@ -44,7 +48,8 @@ export class Strip {
     this.#marks(c, scene);
     if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.faint }, 1.6);
     this.#line(c, scene);
-    this.#force(c, scene, floor + WORD);
+    if (!low) this.#force(c, scene, floor + WORD);
+    this.#arrow(c, scene);
     if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
     if (scene.twin && !aim) this.#twin(c, scene.twin);
@@ -155,16 +160,20 @@ export class Strip {
     }
   }
 
-  /** The force up to now, and its arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
-  #force(c, { turn, force, u }, above) {
-    const { axes } = this, shown = theme(), steps = 160;
-    const values = Array.from({ length: steps + 1 }, (_, i) => force(axes.x0 + (i / steps) * (axes.x1 - axes.x0)));
-    const most = Math.max(...values.map(Math.abs), 1e-300), middle = above + 12 + FORCE / 2;
+  /** The force in the turns that are seen, and its greatest size. @param {Scene} scene */
+  #forces({ force }) {
+    const { x0, x1 } = this.axes, values = Array.from({ length: STEPS + 1 }, (_, i) => force(x0 + (i / STEPS) * (x1 - x0)));
+    return { values, most: Math.max(...values.map(Math.abs), 1e-300) };
+  }
+
+  /** The force up to now. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
+  #force(c, scene, above) {
+    const { axes } = this, shown = theme(), { values, most } = this.#forces(scene), middle = above + 12 + FORCE / 2;
     c.strokeStyle = shown.faint;
     c.lineWidth = 1.6;
     c.beginPath();
     values.forEach((value, i) => {
-      const x = axes.box.x + (i / steps) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
+      const x = axes.box.x + (i / STEPS) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
       if (i) c.lineTo(x, y);
       else c.moveTo(x, y);
     });
@@ -174,10 +183,14 @@ export class Strip {
     c.textAlign = "right";
     c.textBaseline = "middle";
     c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
-    const push = (force(turn) / most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
+  }
+
+  /** The force now, as an arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene */
+  #arrow(c, scene) {
+    const { axes } = this, { turn, force, u } = scene, push = (force(turn) / this.#forces(scene).most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
     if (Math.abs(push) < 3) return;
     const side = Math.sign(push);
-    c.strokeStyle = shown.faint;
+    c.strokeStyle = theme().faint;
     c.lineWidth = 3;
     c.beginPath();
     c.moveTo(x, y);
