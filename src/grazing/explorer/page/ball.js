@@ -166,8 +166,10 @@ export class BallView {
   /** The pool has found what starts settle on: the ball that was not thrown goes on from there. */
   #found() {
     this.#portrait();
-    if (this.state.ball || this.lived) this.draw();
-    else this.begin();
+    if (this.state.ball || this.lived) {
+      this.#fit();
+      this.draw();
+    } else this.begin();
     this.told();
   }
 
