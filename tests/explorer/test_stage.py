@@ -100,6 +100,10 @@ def test_before_a_room_all_orbits_are_named_and_no_coordinates(browser, address)
     )
     shown.page.click("#more")
     assert shown.page.inner_text("#more") == "Fewer controls"
+    shown.page.click("[data-view=gap]")
+    shown.until("() => explorer.state().view === 'gap'")
+    shown.page.go_back()
+    shown.until("() => explorer.state().view === 'oscillator'")
     shown.page.click("#more")
     assert shown.page.inner_text("#more") == "All controls"
     shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1305&tour=3")
@@ -298,6 +302,11 @@ def test_the_table_before_a_room(browser, address, size, least):
     assert shown.page.evaluate(around) == [size[1], size[0]]
     box = shown.page.locator("#table").bounding_box()
     assert box["height"] > 0.6 * size[1] and box["y"] + box["height"] <= size[1]
+    shown.page.click("#more")  # all that can be done is at hand, and nothing is cut
+    assert shown.page.is_visible("#rungs") and shown.page.is_visible("#fan") and shown.page.is_visible("[name=pace]")
+    assert shown.page.evaluate(SMALLEST)[0] >= least and shown.page.evaluate(around) == [size[1], size[0]]
+    shown.page.click("#more")
+    assert shown.page.is_hidden("#rungs") and shown.page.is_hidden("#fan")
     if least == 24:  # where a hand points is where the picture says
         shown.page.mouse.click(*(x + 0.6 * s for x, s in corner(shown.page.locator("#exits").bounding_box())))
         shown.until("() => pinball.exits().chosen")

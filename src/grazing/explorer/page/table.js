@@ -50,7 +50,7 @@ let letters = new Map();
 let exits;
 /** @type {Edit} */
 let edit;
-const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54 });
+const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54, top: 30 });
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** @param {string} text */
@@ -318,7 +318,7 @@ function spread() {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball to see near balls part.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText("Split the ball (G) to see near balls part.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
