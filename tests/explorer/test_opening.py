@@ -118,6 +118,22 @@ def test_a_high_flight_is_seen_until_it_has_left(shown, address):
     assert 2 <= tops[0] < 2.1 and tops[1] < 0.6
 
 
+def test_another_wall_begins_another_word(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    assert len(ball(shown, "past.line")) > 100
+    shown.page.click("text=a second wall, above the ball")
+    shown.until(f"() => explorer.state().two && {BALL}.past.line.length < 100")
+
+
+def test_what_is_found_later_is_in_the_portrait(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    top = shown.page.evaluate(
+        f"() => {{ const b = {BALL}; b.play(false); b.lived = true; b.axes.span(0, 0.1, 0, 0.1); b.search.told.found(); "
+        "return [b.axes.x1, Math.max(...b.attractor.u)]; }"
+    )
+    assert top[0] > top[1]
+
+
 def test_the_strip_names_what_is_hit(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")
     write = (

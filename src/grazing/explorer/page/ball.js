@@ -24,6 +24,8 @@ const PACE = 0.7, TRAIL = 800;
 const TURNS = 9;
 /** Orbits that are drawn at most. */
 const ORBITS = 6;
+/** What of a state the past was drawn with. */
+const WALLS = /** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]);
 /** Columns and parts of the small diagram at most, and points of the ball's own in it. */
 const COLUMNS = 320, BINS = 260, VISITED = 6000;
 
@@ -35,6 +37,7 @@ export class BallView {
   /** @type {State} */ state = later();
   /** @type {import("./flight.js").Model} */ model = later();
   /** @type {string | undefined} what is computed, undefined for nothing: then the ball begins anew */ key = undefined;
+  #walls = "";
   /** @type {string | undefined} the small diagram */ #drawn = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
   /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
@@ -129,7 +132,8 @@ export class BallView {
     if (state.ball && free !== state.ball[0]) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${free}; begin at the wall or ${Number(free) < state.ball[0] ? "below" : "above"}`);
     const { machine } = this, row = rowOf(machine, state), T = (2 * Math.PI) / state.omega;
     const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined;
-    const turn = this.flight ? this.turn : 0, before = this.state;
+    const turn = this.flight ? this.turn : 0, walls = JSON.stringify(WALLS.map((name) => state[name])), moves = walls !== this.#walls;
+    this.#walls = walls;
     this.state = state;
     this.model = { row, walls: state, T };
     if (anew) this.search.forget();
@@ -145,7 +149,7 @@ export class BallView {
     if (!goes) return this.begin();
     const [u, v] = this.place;
     this.lived = true;
-    if (/** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]).some((name) => state[name] !== before[name])) this.past.clear();
+    if (moves) this.past.clear();
     const time = (turn - Math.floor(turn)) * T;
     this.#fly([inside(state, u, time), v, time], turn);
     this.#fit();
