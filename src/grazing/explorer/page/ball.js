@@ -389,11 +389,11 @@ export class BallView {
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
     said.push(...words(this.classes));
-    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
+    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.` });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     said.push(...this.company.said(plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)])));
-    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.`.replaceAll("-", "−") });
+    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;
   }
 }

@@ -234,7 +234,7 @@ function chipped({ colour, text, exact = "" }) {
   chip.style.background = colour ?? "";
   rest.className = "exact";
   rest.textContent = exact;
-  return [...(colour ? [chip] : []), ...nodes(text), ...(exact ? [rest] : [])];
+  return [...(colour ? [chip] : []), ...nodes(text.replace(/(?<!\w)-(?=\d)/g, "−")), ...(exact ? [rest] : [])];
 }
 
 /** Say in words what is shown. */
