@@ -158,7 +158,7 @@ export class EdgesView {
         c.fill();
         c.stroke();
       }
-      const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(box.w < 500 ? 4 : 10))}`;
+      const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(4))}`;
       const wide = c.measureText(text).width, left = axes.x(l) + 6 + wide > box.x + box.w;
       const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 20 * k;
       c.fillStyle = theme().paper + "d0";
