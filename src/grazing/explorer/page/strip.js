@@ -14,8 +14,8 @@ import { moved, swing } from "./walls.js";
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
 const TURN = 84, RIGHT = 108, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
-/** Parts of the curve of the force, and a height of the picture that has no room for it. */
-const STEPS = 160, LOW = 240;
+/** A height of the picture that has no room for the force. */
+const LOW = 240;
 /** What is left in the next frame of room that is no more needed. */
 const SETTLES = 0.9;
 /** Milliseconds for which an impact flashes. */
@@ -48,8 +48,7 @@ export class Strip {
     this.#marks(c, scene);
     if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.faint }, 1.6);
     this.#line(c, scene);
-    if (!low) this.#force(c, scene, floor + WORD);
-    this.#arrow(c, scene);
+    this.#force(c, scene, floor + WORD, low);
     if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
     if (scene.twin && !aim) this.#twin(c, scene.twin);
@@ -160,37 +159,29 @@ export class Strip {
     }
   }
 
-  /** The force in the turns that are seen, and its greatest size. @param {Scene} scene */
-  #forces({ force }) {
-    const { x0, x1 } = this.axes, values = Array.from({ length: STEPS + 1 }, (_, i) => force(x0 + (i / STEPS) * (x1 - x0)));
-    return { values, most: Math.max(...values.map(Math.abs), 1e-300) };
-  }
-
-  /** The force up to now. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
-  #force(c, scene, above) {
-    const { axes } = this, shown = theme(), { values, most } = this.#forces(scene), middle = above + 12 + FORCE / 2;
-    c.strokeStyle = shown.faint;
-    c.lineWidth = 1.6;
-    c.beginPath();
-    values.forEach((value, i) => {
-      const x = axes.box.x + (i / STEPS) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
-      if (i) c.lineTo(x, y);
-      else c.moveTo(x, y);
-    });
-    c.stroke();
-    c.font = `15px ${FONT}`;
-    c.fillStyle = shown.faint;
-    c.textAlign = "right";
-    c.textBaseline = "middle";
-    c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
-  }
-
-  /** The force now, as an arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene */
-  #arrow(c, scene) {
-    const { axes } = this, { turn, force, u } = scene, push = (force(turn) / this.#forces(scene).most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
+  /** The force up to now, where there is room for it, and its arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
+  #force(c, { turn, force, u }, above, low = false) {
+    const { axes } = this, shown = theme(), steps = 160;
+    const values = Array.from({ length: steps + 1 }, (_, i) => force(axes.x0 + (i / steps) * (axes.x1 - axes.x0)));
+    const most = Math.max(...values.map(Math.abs), 1e-300), middle = above + 12 + FORCE / 2;
+    c.strokeStyle = c.fillStyle = shown.faint;
+    if (!low) {
+      c.lineWidth = 1.6;
+      c.beginPath();
+      values.forEach((value, i) => {
+        const x = axes.box.x + (i / steps) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
+        if (i) c.lineTo(x, y);
+        else c.moveTo(x, y);
+      });
+      c.stroke();
+      c.font = `15px ${FONT}`;
+      c.textAlign = "right";
+      c.textBaseline = "middle";
+      c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
+    }
+    const push = (force(turn) / most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
     if (Math.abs(push) < 3) return;
     const side = Math.sign(push);
-    c.strokeStyle = theme().faint;
     c.lineWidth = 3;
     c.beginPath();
     c.moveTo(x, y);
