@@ -128,8 +128,8 @@ def test_another_wall_begins_another_word(shown, address):
 def test_what_is_found_later_is_in_the_portrait(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")
     top = shown.page.evaluate(
-        f"() => {{ const b = {BALL}; b.play(false); b.lived = true; b.axes.span(0, 0.1, 0, 0.1); b.search.told.found(); "
-        "return [b.axes.x1, Math.max(...b.attractor.u)]; }"
+        f"() => {{ const b = {BALL}; b.play(false); b.lived = true; b.axes.span(0, 0.1, 0, 0.1); "
+        "b.search.told.found(); return [b.axes.x1, Math.max(...b.attractor.u)]; }"
     )
     assert top[0] > top[1]
 
