@@ -409,6 +409,7 @@ def test_the_local_map_says_that_it_is_of_one_wall(shown, address):
     shown.page.goto(f"{address}#version=2&view=strobe&two=yes")
     shown.until("() => !document.getElementById('problem').hidden")
     assert "one wall at rest; take the second wall away" in shown.problem()
+    assert shown.page.get_attribute("#strobe", "data-stage") == "failed"
     shown.page.click("text=a second wall, above the ball")
     shown.settle()
     assert shown.problem() == "" and "two" not in shown.link()

@@ -24,6 +24,8 @@ const PACE = 0.7, TRAIL = 800;
 const TURNS = 9;
 /** Orbits that are drawn at most. */
 const ORBITS = 6;
+/** What of a state the past was drawn with. */
+const WALLS = /** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]);
 /** Columns and parts of the small diagram at most, and points of the ball's own in it. */
 const COLUMNS = 320, BINS = 260, VISITED = 6000;
 
@@ -35,6 +37,7 @@ export class BallView {
   /** @type {State} */ state = later();
   /** @type {import("./flight.js").Model} */ model = later();
   /** @type {string | undefined} what is computed, undefined for nothing: then the ball begins anew */ key = undefined;
+  #walls = "";
   /** @type {string | undefined} the small diagram */ #drawn = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
   /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
@@ -129,7 +132,8 @@ export class BallView {
     if (state.ball && free !== state.ball[0]) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${free}; begin at the wall or ${Number(free) < state.ball[0] ? "below" : "above"}`);
     const { machine } = this, row = rowOf(machine, state), T = (2 * Math.PI) / state.omega;
     const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined;
-    const turn = this.flight ? this.turn : 0, before = this.state;
+    const turn = this.flight ? this.turn : 0, walls = JSON.stringify(WALLS.map((name) => state[name])), moves = walls !== this.#walls;
+    this.#walls = walls;
     this.state = state;
     this.model = { row, walls: state, T };
     if (anew) this.search.forget();
@@ -145,7 +149,7 @@ export class BallView {
     if (!goes) return this.begin();
     const [u, v] = this.place;
     this.lived = true;
-    if (/** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]).some((name) => state[name] !== before[name])) this.past.clear();
+    if (moves) this.past.clear();
     const time = (turn - Math.floor(turn)) * T;
     this.#fly([inside(state, u, time), v, time], turn);
     this.#fit();
@@ -166,8 +170,10 @@ export class BallView {
   /** The pool has found what starts settle on: the ball that was not thrown goes on from there. */
   #found() {
     this.#portrait();
-    if (this.state.ball || this.lived) this.draw();
-    else this.begin();
+    if (this.state.ball || this.lived) {
+      this.#fit();
+      this.draw();
+    } else this.begin();
     this.told();
   }
 
@@ -382,12 +388,12 @@ export class BallView {
     if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${state.law === "newton" ? "" : `, and kicks with V = ${numeral(state.V_B)}`}; a word names the walls that are hit.` });
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
-    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
-    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
+    said.push(...words(this.classes));
+    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.` });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     said.push(...this.company.said(plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)])));
-    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.`.replaceAll("-", "−") });
+    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;
   }
 }

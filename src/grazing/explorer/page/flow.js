@@ -1,6 +1,6 @@
 // @ts-check
 /** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
-import { periodColour, theme } from "./colours.js";
+import { theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { drawWindows, outwards, reach, windows } from "./gap.js";
 import { extent, linspace, normalForm } from "./jobs.js";
@@ -215,7 +215,7 @@ export class FlowView {
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At ${name} = ${value}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
-    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    said.push(...words(this.classes));
     if (this.form) {
       const { graze, lam, l } = this.form;
       const mu = this.form.mu(Float64Array.of(value))[0];

@@ -3,7 +3,7 @@
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
 import { dark } from "./colours.js";
-import { plainSymbol, typeset } from "./controls.js";
+import { nodes, plainSymbol, typeset } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
@@ -146,7 +146,10 @@ function refresh() {
     console.error(error);
     // neither words nor picture of another state
     $("summary").replaceChildren();
-    for (const { sheet } of current()?.panels() ?? []) sheet.canvas.width += 0; // which clears it
+    const [first, ...others] = (current()?.panels() ?? []).map(({ sheet }) => sheet);
+    for (const sheet of others) sheet.begin();
+    first?.say(`No picture: ${wordsOf(error)}.`);
+    if (first) first.canvas.dataset.stage = "failed";
   }
 }
 
@@ -225,12 +228,13 @@ function spanSliders(diagram) {
 }
 
 /** A text after a chip of its colour. @param {import("./state.js").Line} line */
-function chipped({ colour, text }) {
-  if (!colour) return [text];
-  const chip = document.createElement("i");
+function chipped({ colour, text, exact = "" }) {
+  const chip = document.createElement("i"), rest = document.createElement("span");
   chip.className = "chip";
-  chip.style.background = colour;
-  return [chip, text];
+  chip.style.background = colour ?? "";
+  rest.className = "exact";
+  rest.textContent = exact;
+  return [...(colour ? [chip] : []), ...nodes(text.replace(/(?<!\w)-(?=\d)/g, "−")), ...(exact ? [rest] : [])];
 }
 
 /** Say in words what is shown. */
@@ -309,7 +313,8 @@ function build() {
   const again = () => (failed ? refresh() : page.repaint());
   stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
-  new ResizeObserver(again).observe($("figures"));
+  const sizes = new ResizeObserver(again);
+  for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }
 
 /** Take the state from the link. @param {string} hash */

@@ -1,6 +1,6 @@
 // @ts-check
 /** The controls of the page, in their places. */
-import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { choice, pair, slider, symbolOf, toggle } from "./controls.js";
 import { WORDS } from "./names.js";
 import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, VERSION, fromFragment } from "./state.js";
 
@@ -44,7 +44,7 @@ export function panel(page) {
     return fromFragment(`version=${VERSION}&law=${law}&two=${two ? "yes" : "no"}&sigma=${sigma}&sigma_B=${sigma_B}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
   });
   /** @type {[string, string][]} */
-  const axes = VARIED.map((name) => [name, `${WORDS[name]} ${plainSymbol(fields[name])}`]);
+  const axes = VARIED.map((name) => [name, `${WORDS[name]} ${symbolOf(fields[name]).join("")}`]);
   put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", axis("line", "u(0)"));

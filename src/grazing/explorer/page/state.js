@@ -58,7 +58,7 @@ export const DEFAULTS = {
 };
 
 /** @typedef {typeof DEFAULTS} State */
-/** @typedef {{colour?: string, text: string}} Line a line of what is shown, in words, with a chip of colour */
+/** @typedef {{colour?: string, text: string, exact?: string}} Line a line of what is shown, in words, with a chip of colour; `exact` is what nobody reads from afar */
 /** @typedef {{change: (part: object) => import("./gestures.js").Undo, problem: (text: string) => void, done: () => void}} Events what a view tells the page */
 
 /** In place of what a view gets when it is shown for the first time. @returns {any} */
