@@ -12,7 +12,7 @@ import hashlib
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from types import CellType, FunctionType, ModuleType
@@ -115,6 +115,28 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce:
         if key not in _outer:
             _outer[key] = _jit(function, arithmetic, "entry", {}, announce)
         return _outer[key]  # type: ignore[no-any-return]
+
+
+def ahead(function: Callable[..., Any], arguments: Sequence[tuple[str, int]], who: str) -> Callable[..., Any]:
+    """Compile a kernel before it is called, and return it.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function, see :func:`compiled`.
+    arguments : sequence of tuple
+        Of each the kind of its numbers, such as ``"float64"``, and how many axes it has: 0 for one number.
+    who : str
+        Who is to blame if it does not compile.
+    """
+    entry: Any = compiled(function)
+    if not jit_disabled():
+        from numba import types
+
+        kinds = [(getattr(types, kind), axes) for kind, axes in arguments]
+        with _lock:
+            call(entry.compile, tuple(types.Array(kind, axes, "C") if axes else kind for kind, axes in kinds), who=who)
+    return entry  # type: ignore[no-any-return]
 
 
 @cache

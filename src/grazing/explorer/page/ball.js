@@ -7,6 +7,7 @@ import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Here } from "./here.js";
+import { LAWS, kicks, ownOf, plain } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
@@ -369,17 +370,19 @@ export class BallView {
 
   /** What there is, and what it does, in a visitor's words. */
   lead() {
-    const kicks = this.state.law !== "newton" && this.state.V > 0;
-    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, above = two && this.state.law !== "newton" && this.state.V_B > 0;
-    const where = two ? `between ${kicks && above ? "two bumpers that kick" : kicks ? "a bumper that kicks and a wall" : above ? "a wall and a bumper that kicks" : "two walls"}` : `above a ${kicks ? "bumper that kicks" : "wall"}`;
+    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, kick = kicks(this.state), own = ownOf(this.state);
+    const between = kick.below && kick.above ? "two bumpers that kick" : kick.below ? "a bumper that kicks and a wall" : kick.above ? "a wall and a bumper that kicks" : "two walls";
+    const where = own ? `${two ? "between two walls" : "above a wall"} with the law ${own.law}` : two ? `between ${between}` : `above a ${kick.below ? "bumper that kicks" : "wall"}`;
     return { headline: `A force pushes a ball up and down ${where}${moves ? `, which ${two ? "move" : "moves"}` : ""}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
   }
 
   summary() {
-    const { state } = this;
+    const { state } = this, own = ownOf(state);
+    const bumper = `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`;
+    const wall = own ? `a wall with the law ${own.law} of ${own.file}, ${own.own.map((name) => `${plain(name)} = ${numeral(valueOf(state, name))}`).join(", ")}` : kicks(state).below ? bumper : "a passive wall";
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${numeral(state.offset, 15)}:` }];
-    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${state.law === "newton" ? "" : `, and kicks with V = ${numeral(state.V_B)}`}; a word names the walls that are hit.` });
+    const said = [{ text: `Ball against ${wall}, constant force d = ${numeral(state.offset, 15)}:` }];
+    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${LAWS[state.law].includes("V") ? `, and kicks with V = ${numeral(state.V_B)}` : ""}; a word names the walls that are hit.` });
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
     for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
