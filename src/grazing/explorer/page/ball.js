@@ -45,6 +45,7 @@ export class BallView {
   /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
   /** @type {Flight} */ flight = later();
   /** Turns of the forcing at the throw: they go on when parameters change. */ #turns = 0;
+  /** The section that it passes next, counted in turns: rounding would pass one twice or none. */ #next = 0;
   /** Whether the ball has lived through a change of parameters. */ lived = false;
   past = new Past();
   /** @type {[number, number][]} where the ball was at the section, over the parameter of the diagram */ visited = [];
@@ -237,7 +238,8 @@ export class BallView {
   #fly(begun, turns) {
     this.flight = new Flight(this.machine, this.model, begun);
     this.#turns = turns;
-    this.company.begin(`${this.key}`);
+    this.#next = Math.floor(turns - this.section + 1e-9) + 1;
+    this.company.begin();
   }
 
   /** What a ball on a periodic orbit has done before: the same, so many periods ago. */
@@ -266,9 +268,11 @@ export class BallView {
 
   /** Move the ball on by a time. @param {number} time */
   #advance(time) {
-    const { flight, T, section } = this, from = this.now;
-    const next = (Math.floor(this.#clock(from) - section + 1e-9) + 1 + section - this.#turns) * T; // when it passes the section
-    const gone = flight.advance(time, next <= from + time ? [next] : []);
+    const { flight, T, section } = this, until = this.now + time;
+    /** When it passes the section. @type {number[]} */
+    const passes = [];
+    for (let at; (at = (this.#next + section - this.#turns) * T) <= until; this.#next++) passes.push(at);
+    const count = passes.length, gone = flight.advance(time, passes);
     if (!gone) {
       this.problem("The ball cannot be followed further: its orbit ended.");
       return this.play(false);
@@ -278,7 +282,8 @@ export class BallView {
     times.forEach((t, i) => {
       for (; hit < hits.length && hits[hit].t <= t; hit++) this.trail.push([hits[hit].place, hits[hit].before], null, [hits[hit].place, hits[hit].after]);
       this.trail.push([u[i], v[i]]);
-      if (t === next) {
+      if (t === passes[0]) {
+        passes.shift();
         this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
         this.company.passed([u[i], v[i]]);
       }
@@ -293,7 +298,7 @@ export class BallView {
     }
     this.flash.splice(0, Math.max(0, this.flash.length - 12));
     this.company.moved(time);
-    if (times.includes(next)) this.diagram.draw();
+    if (count) this.diagram.draw();
   }
 
   /** @param {boolean} on */
