@@ -122,7 +122,7 @@ def test_every_push_counts_once_however_long_frames_take(shown, address):
 
 
 def test_the_way_to_the_orbit_is_not_measured(shown, address):
-    """While the search for the orbit takes long, the ball flies from somewhere else, and passes a graze that parts it."""
+    """While the search for the orbit takes long, the ball flies from elsewhere, past a graze that parts it."""
     shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
     shown.page.evaluate(f"() => {{ const ball = {BALL}; ball.change({{ twin: true }}); ball.home = [0.1, 0, 0]; }}")
     shown.page.evaluate(f"() => {BALL}.begin()")

@@ -14,6 +14,7 @@ from typing import Any
 
 import numpy as np
 
+from grazing.explorer.oscillator import HARMONICS
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.compile import ahead, call
 from grazing.outcome import InputError
@@ -22,10 +23,11 @@ from grazing.outcome import InputError
 CALLS = "/calls/oscillator"
 #: Bytes of a call, and of all its arrays: a picture of the page has a few millions.
 LARGEST_CALL, LARGEST_ARRAYS = 2**26, 2**28
+INFINITY = float("inf")
 
 
 class Calls:
-    """Answers calls: ``calls(body)`` is the answer.
+    """Answers calls: ``calls(body)`` is the answer. All functions are compiled first, so that the page need not wait.
 
     Parameters
     ----------
@@ -36,11 +38,10 @@ class Calls:
 
     def __init__(self, entries: Sequence[Entry], who: str) -> None:
         self.entries, self.who = {entry.name: entry for entry in entries}, who
-
-    def compile(self) -> None:
-        """Compile all functions, so that the page need not wait for it."""
-        for entry in self.entries.values():
-            ahead(entry.kernel, [(argument.kind, len(argument.shape)) for argument in entry.arguments], self.who)
+        self._compiled = {
+            entry.name: ahead(entry.kernel, [(each.kind, len(each.shape)) for each in entry.arguments], who)
+            for entry in entries
+        }
 
     def __call__(self, body: bytes) -> bytes:
         """Answer a call.
@@ -55,13 +56,20 @@ class Calls:
             head = json.loads(body[4 : 4 + size])
             entry, numbers, given = self.entries[head["name"]], head["numbers"], [*head["given"]]
             values = _values(entry, numbers, given, memoryview(body)[4 + size :])
+            wanted = [v for a, v in zip(entry.arguments, values, strict=True) if a.shape and a.name in head["wanted"]]
             _check(entry, numbers, dict(zip((argument.name for argument in entry.arguments), values, strict=True)))
-        except (KeyError, TypeError, ValueError, OverflowError, struct.error) as error:
-            raise InputError(f"this is no call of a kernel: {error}") from None
-        kinds = [(argument.kind, len(argument.shape)) for argument in entry.arguments]
-        result = call(ahead(entry.kernel, kinds, self.who), *values, who=self.who)
-        wanted = [v for a, v in zip(entry.arguments, values, strict=True) if a.name in head["wanted"]]
+        except (ArithmeticError, LookupError, RecursionError, TypeError, ValueError, struct.error) as error:
+            raise InputError(f"this is no call of a kernel: {str(error)[:200]}") from None
+        result = call(self._compiled[entry.name], *values, who=self.who)
         return struct.pack("<d", result or 0.0) + b"".join(array.tobytes() for array in wanted)
+
+
+def _integer(name: str, numbers: Mapping[str, Any]) -> int:
+    """Return a whole number, of the 32 bits that a module takes."""
+    value = int(numbers[name])
+    if value != numbers[name] or not -(2**31) <= value < 2**31:
+        raise ValueError(f"{name} is no whole number of 32 bits")
+    return value
 
 
 def _whole(size: str | int, numbers: Mapping[str, Any]) -> int:
@@ -69,7 +77,7 @@ def _whole(size: str | int, numbers: Mapping[str, Any]) -> int:
     if isinstance(size, int):
         return size
     name, _, more = size.partition(" + ")
-    return int(numbers[name]) + int(more or 0)
+    return _integer(name, numbers) + int(more or 0)
 
 
 def _values(entry: Entry, numbers: Mapping[str, Any], given: Sequence[str], arrays: memoryview) -> list[Any]:
@@ -78,7 +86,8 @@ def _values(entry: Entry, numbers: Mapping[str, Any], given: Sequence[str], arra
     left = LARGEST_ARRAYS
     for argument in entry.arguments:
         if not argument.shape:
-            found.append(float(numbers[argument.name]) if argument.kind == "float64" else int(numbers[argument.name]))
+            number = float(numbers[argument.name]) if argument.kind == "float64" else _integer(argument.name, numbers)
+            found.append(number)
             continue
         array, arrays = _array(argument, numbers, arrays if argument.name in given else None, arrays, left)
         left -= array.nbytes
@@ -93,7 +102,7 @@ def _array(
 ) -> tuple[Any, memoryview]:
     """Return an array of a call, and what is left of the bytes."""
     shape, kind = tuple(_whole(size, numbers) for size in argument.shape), np.dtype(argument.kind)
-    if min(shape) < 0 or np.prod(shape, dtype=float) * kind.itemsize > room:
+    if min(shape) < 1 or np.prod(shape, dtype=float) * kind.itemsize > room:
         raise ValueError(f"{argument.name} has the shape {shape}")
     array = np.zeros(shape, kind)
     if given is None:
@@ -103,12 +112,24 @@ def _array(
 
 
 def _check(entry: Entry, numbers: Mapping[str, Any], values: Mapping[str, Any]) -> None:
-    """Refuse numbers that kernels take for places in arrays, and that are none: a kernel does not look."""
+    """Refuse numbers of which kernels make places in arrays, and that are none: a kernel does not look."""
+    for name in {"row", "rows"} & values.keys():
+        if not np.isfinite(values[name]).all():
+            raise ValueError("parameters are not finite")
     if "which" in values and not 0 <= values["which"] < values["row"].size:
         raise ValueError(f"which = {values['which']}")
-    if "coordinate" in values and not (0 <= values["coordinate"] < values["lanes"].shape[1] and values["bins"] >= 1):
-        raise ValueError(f"coordinate = {values['coordinate']}, bins = {values['bins']}")
+    if entry.name == "density":
+        _check_raster(values["coordinate"], values["low"], values["high"], values["bins"], values["lanes"].shape[1])
+    if entry.name == "legs" and not 0.0 <= values["state"][4] <= 2 * HARMONICS:
+        raise ValueError("the flight begins in no window of the force")
     if entry.name == "attractors":
         lasting = values["period"] >= 1
         if (values["period"] > int(numbers["keep"])).any() or (values["length"][lasting] < 1).any():
             raise ValueError("periods are longer than orbits")
+
+
+def _check_raster(coordinate: int, low: float, high: float, bins: int, dimension: int) -> None:
+    if not 0 <= coordinate < dimension:
+        raise ValueError(f"coordinate = {coordinate}")
+    if not (bins >= 1 and -INFINITY < low < high < INFINITY and bins / (high - low) < INFINITY):
+        raise ValueError(f"low = {low}, high = {high}, bins = {bins}")

@@ -67,8 +67,8 @@ class Laws(NamedTuple):
     """The reset laws of a module as one law of a row, with all that a row holds for them.
 
     ``line(p, drive)`` gives the (r, V) of the law v_plus = r |v_minus| + V most like that of the row, at the speed that
-    what :func:`drive_of` is given says; ``fields`` are those of a row, ``lower`` and ``upper`` of them the parameters of
-    a wall.
+    what :func:`drive_of` is given says; ``fields`` are those of a row, ``lower`` and ``upper`` those of them that are
+    parameters of a wall.
     """
 
     names: tuple[str, ...]

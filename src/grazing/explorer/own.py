@@ -17,7 +17,7 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
-from grazing.config.own import Named, located, own_object
+from grazing.config.own import Named, is_own, located, own_object
 from grazing.explorer.build import DESCRIPTION, described_module, shipped, toolchain
 from grazing.explorer.calls import CALLS, Calls
 from grazing.explorer.composed import Module
@@ -30,7 +30,7 @@ from grazing.kernel.export import ENVIRONMENT
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.parameters import damped
-from grazing.outcome import GrazingError, InputError
+from grazing.outcome import GrazingError, InputError, shown
 from grazing.writing import whole_file
 
 NAME = "oscillator"
@@ -143,6 +143,8 @@ def prepared(said: str, folder: Path, copied: bool, say: Callable[[str], None]) 
     InputError
         For a model that the page cannot show, and for a copy of one that no module could be made of.
     """
+    if not is_own(said) or said.endswith(":"):
+        raise InputError(f"model = {shown(said)}; give file.py:name, of a gz.Oscillator")
     text = Named(located(said, "."))
     model = checked(text)
     known, calls = shipped(), None
@@ -158,9 +160,8 @@ def prepared(said: str, folder: Path, copied: bool, say: Callable[[str], None]) 
             toolchain()  # says what to install: without this server nobody computes
         else:
             module |= {"file": "", "calls": CALLS}
-            calls = Calls(made.entries, f"the reset law {model.reset.name}")
             say("no WebAssembly linker (lld or ziglang): the server computes; compiling the law, some minutes at first")
-            calls.compile()
+            calls = Calls(made.entries, f"the reset law {model.reset.name}")
         known["modules"][NAME] = module
     (folder / DESCRIPTION).write_text(json.dumps(known) + "\n", encoding="utf-8")
     return calls

@@ -12,13 +12,13 @@ import re
 import shutil
 import stat
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from socket import SHUT_RDWR
-from threading import Lock, Thread
+from threading import BoundedSemaphore, Lock, Thread
 from time import monotonic
 from typing import Any
 from urllib.parse import unquote, urlsplit
@@ -100,25 +100,36 @@ class Handler(BaseHTTPRequestHandler):
         self.answer(body=False)
 
     def do_POST(self) -> None:
-        """Answer a call of a kernel, of a page of this server: browsers ask before they send this type from another."""
+        """Answer a call of a kernel, of a page of this server and of no other."""
         calls, size = self.server.calls, self.headers.get("Content-Length", "")
-        refused = HTTPStatus.NOT_FOUND if calls is None or self.path != CALLS else None
-        if not self.known() or self.headers.get("Content-Type") != BYTES:
+        refused = None
+        if calls is None:
+            refused = HTTPStatus.NOT_IMPLEMENTED
+        elif not self.known() or self.headers.get("Origin", self.origin) != self.origin:
             refused = HTTPStatus.FORBIDDEN
-        elif not (size.isdigit() and int(size) <= LARGEST_CALL):
+        elif self.path != CALLS:
+            refused = HTTPStatus.NOT_FOUND
+        elif self.headers.get("Content-Type") != BYTES:  # a form of a page elsewhere has another one
+            refused = HTTPStatus.UNSUPPORTED_MEDIA_TYPE
+        elif not re.fullmatch("[0-9]{1,12}", size):
+            refused = HTTPStatus.LENGTH_REQUIRED
+        elif int(size) > LARGEST_CALL:
             refused = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
         if refused is not None or calls is None:
             self.close_connection = True  # what follows is no request
-            self.send_error(refused or HTTPStatus.NOT_FOUND)
+            self.send_error(refused or HTTPStatus.NOT_IMPLEMENTED)
             return
+        body = self.rfile.read(int(size))
         status, kind = HTTPStatus.OK, BYTES
         try:
-            found = calls(self.rfile.read(int(size)))
+            with self.server.computing(self.connection):
+                found = calls(body)
         except (GrazingError, MemoryError) as error:
             status, kind, found = HTTPStatus.BAD_REQUEST, "text/plain; charset=utf-8", str(error).encode()
         self.send_response(status)
         self.send_header("Content-Type", kind)
         self.send_header("Content-Length", str(len(found)))
+        self.send_header("X-Content-Type-Options", "nosniff")
         self.end_headers()
         self.wfile.write(found)
 
@@ -162,6 +173,11 @@ class Handler(BaseHTTPRequestHandler):
         name = self.headers.get("Host", HOST).rpartition(":")[0] or self.headers.get("Host", HOST)
         return name in (HOST, "localhost")
 
+    @property
+    def origin(self) -> str:
+        """What a browser says of who asks, if that is the page of this server."""
+        return f"http://{self.headers.get('Host', HOST)}"
+
     def log_message(self, format: str, *args: object) -> None:
         """Say nothing: a terminal shows the address and no more."""
 
@@ -179,6 +195,7 @@ class Server(ThreadingHTTPServer):
         #: When each connection began with its request, the oldest first.
         self._since: dict[Any, float] = {}
         self._one = Lock()
+        self._free = BoundedSemaphore(os.cpu_count() or 1)
         super().__init__((HOST, port), Handler)
 
     def begun(self, connection: Any) -> None:
@@ -188,6 +205,15 @@ class Server(ThreadingHTTPServer):
             self._since[connection] = monotonic()
             for oldest in [*self._since][:-MOST]:
                 self._close(oldest)
+
+    @contextmanager
+    def computing(self, connection: Any) -> Iterator[None]:
+        """Have a processor for an answer: the time that it takes is not that of whoever asked."""
+        with self._one:
+            self._since.pop(connection, None)
+        with self._free:
+            yield
+        self.begun(connection)
 
     def service_actions(self) -> None:
         """Close connections that take too long, however often they say a letter or read one."""

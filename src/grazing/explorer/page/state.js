@@ -154,7 +154,7 @@ export function allowed(field, [low, high]) {
 function read(key, text, fields) {
   const number = (/** @type {string} */ word) => (word.trim() === "" ? NaN : Number(word));
   if (CHOICES[key]) {
-    if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}`);
+    if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}${key === "law" ? ", and a law of one’s own on the page of “grazing explore --model”" : ""}`);
     return text;
   }
   if (SWITCHES.includes(key)) {
