@@ -18,7 +18,7 @@ from functools import cache
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-from grazing.kernel.content import Known, below, digest, is_kernel, named
+from grazing.kernel.content import COMPILED, Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
 from grazing.kernel.primitives import pointed, signatures
@@ -281,7 +281,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     """Return a copy of the function in which every kernel it names is replaced."""
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
-    names = {"__name__": "grazing.kernel", "__builtins__": function.__globals__.get("__builtins__")}
+    names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
 
     def code(value: Any) -> Any:
         if not isinstance(value, FunctionType):

@@ -7,7 +7,7 @@ import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Here } from "./here.js";
-import { LAWS, kicks, ownOf, plain } from "./laws.js";
+import { LAWS, fileOf, kicks, ownOf, plain } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
@@ -384,7 +384,7 @@ export class BallView {
   summary() {
     const { state } = this, own = ownOf(state);
     const bumper = `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`;
-    const wall = own ? `a wall with the law ${own.law} of ${own.file}, ${own.own.map((name) => `${plain(name)} = ${numeral(valueOf(state, name))}`).join(", ")}` : kicks(state).below ? bumper : "a passive wall";
+    const wall = own ? `a wall with the law ${own.law} of ${fileOf(own)}, ${own.own.map((name) => `${plain(name)} = ${numeral(valueOf(state, name))}`).join(", ")}` : kicks(state).below ? bumper : "a passive wall";
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `Ball against ${wall}, constant force d = ${numeral(state.offset, 15)}:` }];
     if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${LAWS[state.law].includes("V") ? `, and kicks with V = ${numeral(state.V_B)}` : ""}; a word names the walls that are hit.` });

@@ -15,6 +15,9 @@ export const BROUGHT = { model: null };
 /** The model whose law a state has, if that is the user's own. @param {{law: string}} state */
 export const ownOf = ({ law }) => (BROUGHT.model?.own.length && BROUGHT.model.law === law ? BROUGHT.model : null);
 
+/** The name of the file that a model is in. @param {Model} model @returns {string} */
+export const fileOf = ({ file }) => /[^\\/]*$/.exec(file)?.[0] ?? file;
+
 /** Whether a parameter is one of the upper wall: r_B, or B.c of a law of the user's own. @param {string} name */
 export const above = (name) => /^(\w+_B|B\..+)$/.test(name);
 

@@ -8,7 +8,7 @@ import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
 import { guided } from "./guide.js";
-import { BROUGHT, above, ofLaws, ownOf } from "./laws.js";
+import { BROUGHT, above, fileOf, ofLaws, ownOf } from "./laws.js";
 import { load } from "./load.js";
 import { WORDS } from "./names.js";
 import { panel } from "./panel.js";
@@ -348,9 +348,9 @@ async function begin() {
   if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
   if (described.model) {
-    const { name, file, state: shown } = described.model;
+    const { name, state: shown } = described.model;
     adopt(described.model);
-    PRESETS[name] = { title: `of ${file}`, state: shown };
+    PRESETS[name] = { title: `of ${fileOf(described.model)}`, state: shown };
   }
   const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };
   if (machines.gap && pool) {

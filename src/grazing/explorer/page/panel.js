@@ -1,7 +1,7 @@
 // @ts-check
 /** The controls of the page, in their places. */
 import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
-import { BROUGHT, above } from "./laws.js";
+import { BROUGHT, above, fileOf } from "./laws.js";
 import { WORDS } from "./names.js";
 import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, VERSION, fromFragment } from "./state.js";
 
@@ -28,7 +28,7 @@ export function panel(page) {
   more.append(title);
   const { model } = BROUGHT, added = Object.keys(OSCILLATOR_EXTENTS).filter((name) => name.includes("."));
   /** @type {[string, string][]} */
-  const brought = model?.own.length ? [[model.law, `${model.law} (of ${model.file})`]] : [];
+  const brought = model?.own.length ? [[model.law, `${model.law} (of ${fileOf(model)})`]] : [];
   for (const name of added) WORDS[name] = above(name) ? "your law’s, above" : "your law’s";
   for (const [name, units] of Object.entries(model?.units ?? {})) if (units && units !== "1") fields[name].units = units;
   controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"], ...brought], own("law"));
