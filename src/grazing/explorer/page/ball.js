@@ -7,7 +7,7 @@ import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Here } from "./here.js";
-import { LAWS, fileOf, kicks, ownOf, plain } from "./laws.js";
+import { LAWS, fileOf, kicks, ownOf, plain, unit } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
@@ -180,7 +180,7 @@ export class BallView {
   /** Follow the attractor that most starts reach once around; while it is searched, a few periods from above the wall, not drawn. */
   #portrait() {
     const most = this.classes[0];
-    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1, this.state.phase), 0];
+    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1 * unit(), this.state.phase), 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
     this.attractor = flown(this.machine, this.model, u, v, this.search.waiting ? 1 : periods);
     this.ends = this.#around(this.attractor);
@@ -197,7 +197,7 @@ export class BallView {
   #around({ u, v, hits }) {
     const { sigma } = this.state, amplitude = swing(this.state), vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
     const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
-    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
+    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05 * unit()), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
     return [bottom - 0.06 * (top - bottom), top + 0.06 * (top - bottom), low - room, high + room];
   }
 

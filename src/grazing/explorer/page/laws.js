@@ -15,6 +15,9 @@ export const BROUGHT = { model: null };
 /** The model whose law a state has, if that is the user's own. @param {{law: string}} state */
 export const ownOf = ({ law }) => (BROUGHT.model?.own.length && BROUGHT.model.law === law ? BROUGHT.model : null);
 
+/** A length in whose units the heights of flights are: 1 but for a model that was brought, of which metres may be large. */
+export const unit = () => (BROUGHT.model ? BROUGHT.model.state.positions[1] - BROUGHT.model.state.positions[0] : 1);
+
 /** The name of the file that a model is in. @param {Model} model @returns {string} */
 export const fileOf = ({ file }) => /[^\\/]*$/.exec(file)?.[0] ?? file;
 
