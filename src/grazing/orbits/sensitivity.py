@@ -18,7 +18,7 @@ from scipy.optimize import brentq
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.orbits.closure import TESTS, closing, impact_state, impact_velocities
+from grazing.orbits.closure import TESTS, Closing, closing, impact_state, impact_velocities
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.rounding import noise
 from grazing.orbits.survey import PHASE, Family, families, survey
@@ -137,7 +137,8 @@ class Edge:
     """An edge of a window as the solution of equations, analytic in all that they depend on.
 
     The variables are the phase of the impact, the time after it at which the flight touches the wall (for gr), then
-    the row of the family's parameters.
+    the row of the family's parameters. The two equations of the velocities are weighed by the fastest rate at the edge
+    itself: off their solution the test functions depend on it, and it jumps where a harmonic of amplitude 0 begins.
     """
 
     def __init__(self, family: Family, kind: str, value: float, dip: int) -> None:
@@ -259,7 +260,8 @@ class Edge:
         """Return what the equations need at variables (n, 2 + parameters), shape (n, COLUMNS)."""
         out = np.full((len(rows), COLUMNS), np.nan)
         run = _evaluator(self.family.kind, self.family.harmonics)
-        call(run, np.ascontiguousarray(rows), self.family.N, self.family.law, out, who="the closing equation")
+        given = np.ascontiguousarray(rows), self.row, self.family.N, self.family.law
+        call(run, *given, out, who="the closing equation")
         return out
 
 
@@ -267,10 +269,12 @@ class Edge:
 def _evaluator(kind: type, harmonics: int) -> Callable[..., None]:
     unpack, constants = unpacker(kind), constants_of(harmonics)
 
-    def run(rows: Any, N: int, law: int, out: Any) -> None:
+    def run(rows: Any, edge: Any, N: int, law: int, out: Any) -> None:
+        rate = constants(unpack(edge)).rate
         for i in range(len(rows)):
             c = constants(unpack(rows[i, 2:]))
-            g = closing(N, law, c)
+            at = closing(N, law, c)
+            g = Closing(at.L, rate, *at[2:])
             phi = rows[i, 0]
             out[i, 0], out[i, 1] = series(phi, g.g0, g.gc, g.gs, 1.0, 0.0)
             state = impact_state(phi, law, g, c)
