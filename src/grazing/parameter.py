@@ -94,14 +94,15 @@ def parameter_tuple(names: tuple[str, ...]) -> type:
     """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
     fields = tuple(name.replace(".", "_") for name in names)  # A.r is A_r in code
     made: Any = namedtuple("Parameters", fields or ("none",))  # type: ignore[misc]  # no tuple of nothing in a kernel
-    made.__qualname__ = f"{PREFIX}{','.join(names)}"  # a name of its own, by which pickle finds it in any process
+    # a name of its own, by which pickle finds it in any process: behind a dot it would look in what stands before it
+    made.__qualname__ = f"{PREFIX}{','.join(names)}".replace(".", ":")
     return made
 
 
 def __getattr__(name: str) -> Any:
     """Return the type of named parameters that pickle asks for, see :func:`parameter_tuple`."""
     if name.startswith(PREFIX):
-        return parameter_tuple(tuple(name.removeprefix(PREFIX).split(",")) if name != PREFIX else ())
+        return parameter_tuple(tuple(name.removeprefix(PREFIX).replace(":", ".").split(",")) if name != PREFIX else ())
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 

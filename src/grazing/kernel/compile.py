@@ -12,13 +12,13 @@ import hashlib
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-from grazing.kernel.content import Known, below, digest, is_kernel, named
+from grazing.kernel.content import COMPILED, Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
 from grazing.kernel.primitives import pointed, signatures
@@ -115,6 +115,28 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce:
         if key not in _outer:
             _outer[key] = _jit(function, arithmetic, "entry", {}, announce)
         return _outer[key]  # type: ignore[no-any-return]
+
+
+def ahead(function: Callable[..., Any], arguments: Sequence[tuple[str, int]], who: str) -> Callable[..., Any]:
+    """Compile a kernel before it is called, and return it.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function, see :func:`compiled`.
+    arguments : sequence of tuple
+        Of each the kind of its numbers, such as ``"float64"``, and how many axes it has: 0 for one number.
+    who : str
+        Who is to blame if it does not compile.
+    """
+    entry: Any = compiled(function)
+    if not jit_disabled():
+        from numba import types
+
+        kinds = [(getattr(types, kind), axes) for kind, axes in arguments]
+        with _lock:
+            call(entry.compile, tuple(types.Array(kind, axes, "C") if axes else kind for kind, axes in kinds), who=who)
+    return entry  # type: ignore[no-any-return]
 
 
 @cache
@@ -261,7 +283,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     """Return a copy of the function in which every kernel it names is replaced."""
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
-    names = {"__name__": "grazing.kernel", "__builtins__": function.__globals__.get("__builtins__")}
+    names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
 
     def code(value: Any) -> Any:
         if not isinstance(value, FunctionType):

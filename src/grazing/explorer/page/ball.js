@@ -7,6 +7,7 @@ import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Here } from "./here.js";
+import { LAWS, fileOf, kicks, ownOf, plain, unit } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
@@ -47,6 +48,7 @@ export class BallView {
   /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
   /** @type {Flight} */ flight = later();
   /** Turns of the forcing at the throw: they go on when parameters change. */ #turns = 0;
+  /** The section that it passes next, counted in turns: rounding would pass one twice or none. */ #next = 0;
   /** Whether the ball has lived through a change of parameters. */ lived = false;
   past = new Past();
   /** @type {[number, number][]} where the ball was at the section, over the parameter of the diagram */ visited = [];
@@ -184,7 +186,7 @@ export class BallView {
   /** Follow the attractor that most starts reach once around; while it is searched, a few periods from above the wall, not drawn. */
   #portrait() {
     const most = this.classes[0];
-    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1, this.state.phase), 0];
+    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1 * unit(), this.state.phase), 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
     this.attractor = flown(this.machine, this.model, u, v, this.search.waiting ? 1 : periods);
     this.ends = this.#around(this.attractor);
@@ -201,7 +203,7 @@ export class BallView {
   #around({ u, v, hits }) {
     const { sigma } = this.state, amplitude = swing(this.state), vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
     const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
-    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
+    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05 * unit()), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
     return [bottom - 0.06 * (top - bottom), top + 0.06 * (top - bottom), low - room, high + room];
   }
 
@@ -242,7 +244,8 @@ export class BallView {
   #fly(begun, turns) {
     this.flight = new Flight(this.machine, this.model, begun);
     this.#turns = turns;
-    this.company.begin(`${this.key}`);
+    this.#next = Math.floor(turns - this.section + 1e-9) + 1;
+    this.company.begin();
   }
 
   /** What a ball on a periodic orbit has done before: the same, so many periods ago. */
@@ -271,9 +274,11 @@ export class BallView {
 
   /** Move the ball on by a time. @param {number} time */
   #advance(time) {
-    const { flight, T, section } = this, from = this.now;
-    const next = (Math.floor(this.#clock(from) - section + 1e-9) + 1 + section - this.#turns) * T; // when it passes the section
-    const gone = flight.advance(time, next <= from + time ? [next] : []);
+    const { flight, T, section } = this, until = this.now + time;
+    /** When it passes the section. @type {number[]} */
+    const passes = [];
+    for (let at; (at = (this.#next + section - this.#turns) * T) <= until; this.#next++) passes.push(at);
+    const count = passes.length, gone = flight.advance(time, passes);
     if (!gone) {
       this.problem("The ball cannot be followed further: its orbit ended.");
       return this.play(false);
@@ -283,7 +288,8 @@ export class BallView {
     times.forEach((t, i) => {
       for (; hit < hits.length && hits[hit].t <= t; hit++) this.trail.push([hits[hit].place, hits[hit].before], null, [hits[hit].place, hits[hit].after]);
       this.trail.push([u[i], v[i]]);
-      if (t === next) {
+      if (t === passes[0]) {
+        passes.shift();
         this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
         this.company.passed([u[i], v[i]]);
       }
@@ -298,7 +304,7 @@ export class BallView {
     }
     this.flash.splice(0, Math.max(0, this.flash.length - 12));
     this.company.moved(time);
-    if (times.includes(next)) this.diagram.draw();
+    if (count) this.diagram.draw();
   }
 
   /** @param {boolean} on */
@@ -375,17 +381,19 @@ export class BallView {
 
   /** What there is, and what it does, in a visitor's words. */
   lead() {
-    const kicks = this.state.law !== "newton" && this.state.V > 0;
-    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, above = two && this.state.law !== "newton" && this.state.V_B > 0;
-    const where = two ? `between ${kicks && above ? "two bumpers that kick" : kicks ? "a bumper that kicks and a wall" : above ? "a wall and a bumper that kicks" : "two walls"}` : `above a ${kicks ? "bumper that kicks" : "wall"}`;
+    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, kick = kicks(this.state), own = ownOf(this.state);
+    const between = kick.below && kick.above ? "two bumpers that kick" : kick.below ? "a bumper that kicks and a wall" : kick.above ? "a wall and a bumper that kicks" : "two walls";
+    const where = own ? `${two ? "between two walls" : "above a wall"} with the law ${own.law}` : two ? `between ${between}` : `above a ${kick.below ? "bumper that kicks" : "wall"}`;
     return { headline: `A force pushes a ball up and down ${where}${moves ? `, which ${two ? "move" : "moves"}` : ""}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
   }
 
   summary() {
-    const { state } = this;
+    const { state } = this, own = ownOf(state);
+    const bumper = `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`;
+    const wall = own ? `a wall with the law ${own.law} of ${fileOf(own)}, ${own.own.map((name) => `${plain(name)} = ${numeral(valueOf(state, name))}`).join(", ")}` : kicks(state).below ? bumper : "a passive wall";
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${numeral(state.offset, 15)}:` }];
-    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${state.law === "newton" ? "" : `, and kicks with V = ${numeral(state.V_B)}`}; a word names the walls that are hit.` });
+    const said = [{ text: `Ball against ${wall}, constant force d = ${numeral(state.offset, 15)}:` }];
+    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${LAWS[state.law].includes("V") ? `, and kicks with V = ${numeral(state.V_B)}` : ""}; a word names the walls that are hit.` });
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
     said.push(...words(this.classes));

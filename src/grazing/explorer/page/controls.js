@@ -56,6 +56,7 @@ export function slider(field, [low, high], change, problem) {
     symbol.append(sub);
   }
   label.append(`${WORDS[field.name] ?? field.meaning} `, symbol);
+  if (field.units) label.append(`, ${field.units}`);
   label.title = field.meaning.replaceAll("^2", "²");
   const number = document.createElement("input");
   number.type = "number";

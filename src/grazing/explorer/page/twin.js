@@ -28,11 +28,6 @@ export class Rate {
     this.#near = null;
   }
 
-  /** The ball goes on from elsewhere: the turn that is under way does not count. */
-  leave() {
-    this.#near = null;
-  }
-
   /** Per turn of the forcing: minus infinity where orbits meet exactly, as in completed chatter. */
   get exponent() {
     return this.#sum / this.turns;
