@@ -11,6 +11,7 @@ from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attrac
 from grazing_checker.orbit import check_orbit, check_walled_orbit
 from grazing_checker.reading import Rejected, demand, quoted
 from grazing_checker.table import check_table_orbit
+from grazing_checker.table_value import check_table_value
 from grazing_checker.value import check_value, check_walled_value
 
 #: All that is imported from the standard library.
@@ -49,6 +50,7 @@ KINDS = {
     "periodic orbit on a table": Kind(check_table_orbit, (KRAWCZYK, TABLES, MULTIPLIERS)),
     "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
     "bifurcation value with walls": Kind(check_walled_value, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS, BETWEEN)),
+    "bifurcation value on a table": Kind(check_table_value, (KRAWCZYK, TABLES, MULTIPLIERS, BETWEEN)),
     "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),
     "gap map edge": Kind(check_gap_edge, (KRAWCZYK, CYCLES)),
     "gap map without attracting orbits": Kind(check_no_attractor, (STRETCHING,)),

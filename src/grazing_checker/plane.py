@@ -72,10 +72,24 @@ class Surface(NamedTuple):
         return (x + u * self.e[0] + self.size * n[0], y + u * self.e[1] + self.size * n[1]), n, number(s)
 
 
+class Reader:
+    """Reads the numbers of a table: doubles, and one unknown in the place of the one that has no value."""
+
+    def __init__(self, unknown: Any = None) -> None:
+        self.unknown, self.left = unknown, int(unknown is not None)
+
+    def __call__(self, text: Any) -> Any:
+        """Return the number that a text means, or the unknown."""
+        if text is None and self.left:
+            self.left -= 1
+            return self.unknown
+        return double(text_of_double(text))
+
+
 class Thing:
     """An object of a certificate."""
 
-    def __init__(self, data: Any, rho: Ball) -> None:
+    def __init__(self, data: Any, rho: Any, read: Reader) -> None:
         demand(isinstance(data, Mapping), "an object is no mapping")
         self.kind = data.get("kind")
         demand(isinstance(self.kind, str) and self.kind in SHAPES, f"the kind of an object is {quoted(self.kind)}")
@@ -84,12 +98,12 @@ class Thing:
         named = isinstance(self.name, str) and NAME.fullmatch(self.name)
         demand(named, f"an object cannot be called {quoted(self.name)}")
         keys(data["shape"], SHAPES[self.kind], f"the shape of {self.name}")
-        p = {name: double(text_of_double(data["shape"][name])) for name in SHAPES[self.kind]}
+        p = {name: read(data["shape"][name]) for name in SHAPES[self.kind]}
         self.law, self.rho = data.get("law"), rho if self.kind != "drain" else number(0)
         if self.law is not None:
             check_law(self.law)
             values = self.law["parameters"].items()
-            self.leaves = {name: Jet(double(text_of_double(x)), number(0), number(0)) for name, x in values}
+            self.leaves = {name: Jet(read(x), number(0), number(0)) for name, x in values}
         self.ends: tuple[Vector, ...]
         if self.kind in ("segment", "drain"):
             self.ends = (p["x1"], p["y1"]), (p["x2"], p["y2"])
@@ -146,7 +160,8 @@ class Thing:
         It is < 0 only beyond them, if the arc is open: less than half a turn either way from its middle.
         """
         d = p[0] - self.centre[0], p[1] - self.centre[1]
-        return dot(d, self.middle) - dot(d, d).sqrt() * self.half.sin_cos()[1]
+        ahead: Ball = dot(d, self.middle) - dot(d, d).sqrt() * self.half.sin_cos()[1]
+        return ahead
 
     def after(self, v: Ball) -> Jet:
         """Return what the law makes of a velocity, with its slope."""
@@ -180,6 +195,19 @@ class Flight(NamedTuple):
         """Return |p(s) - at|^2 as a polynomial of the time s."""
         d, (_vx, vy), g = (self.p[0] - at[0], self.p[1] - at[1]), self.w, self.g
         return [dot(d, d), 2 * dot(d, self.w), dot(self.w, self.w) - g * d[1], -g * vy, g * g / 4]
+
+    def height(self, surface: Surface) -> Polynomial:
+        """Return a polynomial of the time s that is > 0 exactly if the ball is in front of a part, as if it went on.
+
+        |p - c|^2 - size^2 in front of a round part, its negative inside an arc; the distance from the line of a face.
+        """
+        sign, size = surface.sign, surface.size
+        if surface.round:
+            h = self.square(surface.at)
+            return [sign * (h[0] - size * size), *(sign * c for c in h[1:])]
+        e = surface.e
+        h = self.distance((sign * e[1], -sign * e[0]), surface.at)
+        return [h[0] - size, *h[1:]]
 
     def place(self, s: Ball) -> Vector:
         """Return p(s)."""
@@ -256,25 +284,30 @@ class Apart:
                 h = flight.square(end)
                 self.ways.append([cut([h[0] - thing.rho**2, *h[1:]], part)])
 
-    def least(self, work: list[int]) -> Ball:
+    def least(self, work: list[int], but: tuple[str, Ball, Ball] | None = None) -> Ball:
         """Return a number > 0 below the greatest of the functions of each part, at all times; or raise Rejected.
 
-        Times are halved until one function is surely > 0 over each piece; ``work`` counts the pieces.
+        Times are halved until one function is surely > 0 over each piece, and its bound there more than a quarter of
+        its value in the middle, so that another arithmetic finds much the same; ``work`` counts the pieces. ``but``
+        names a part, and from when to when it is not asked for.
         """
         found, long = None, self.flight.t.upper()
         for number_of_part, ways in enumerate(self.ways):
             left = [(number(0), long)]
+            if but is not None and number_of_part == {"start": 1, "stop": 2}.get(but[0], 0):
+                left = [(number(0), but[1]), (but[2], long)]
             while left:
                 low, high = left.pop()
                 work[0] += 1
                 demand(work[0] <= PIECES and len(left) < DEEP, f"a flight is not surely off {self.thing.name}")
                 middle = ((low + high) / 2).mid()
                 s = around(middle, (high - low).upper() / 2)
-                bounds = [over(h, s) for h in ways]
+                bounds = [(over(h, s), value(h, middle)) for h in ways]
                 if self.beyond and number_of_part == 0:
-                    bounds.append((-self.thing.between(self.flight.place(s))).lower())
-                best = max(bounds, key=float)
-                if best > 0:
+                    beyond = [-self.thing.between(self.flight.place(time)) for time in (s, middle)]
+                    bounds.append((beyond[0].lower(), beyond[1]))
+                best, there = max(bounds, key=lambda one: float(one[0]))
+                if best > 0 and 4 * best > there.lower():
                     found = best if found is None or best < found else found
                 else:
                     left += [(low, middle), (middle, high)]
@@ -282,14 +315,19 @@ class Apart:
         return found
 
 
+def values_text(values: Mapping[str, str | None], front: str = "") -> str:
+    """Return numbers in words; one without a value is left out."""
+    return ", ".join(f"{front}{name} = {float.fromhex(x)!r}" for name, x in values.items() if x is not None)
+
+
 def words(things: Sequence[Any]) -> str:
     """Return objects in words."""
     said = []
     for one in things:
-        numbers = ", ".join(f"{name} = {float.fromhex(x)!r}" for name, x in one["shape"].items())
+        numbers = values_text(one["shape"])
         law = ", met where the centre of the ball is on it"
         if "law" in one:
-            inside = ", ".join(f"p.{name} = {float.fromhex(x)!r}" for name, x in one["law"]["parameters"].items())
+            inside = values_text(one["law"]["parameters"], "p.")
             law = f", which makes {law_text(one['law']['after'])} of v{f' with {inside}' if inside else ''}"
         said.append(f'the {one["kind"]} "{one["name"]}" ({numbers}){law}')
     return "; ".join(said)

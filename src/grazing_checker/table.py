@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Any
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
 from grazing_checker.balls import Ball, double, number, precision
+from grazing_checker.gradient import derivative_of, variables
 from grazing_checker.oscillator import Point, Rows, applied, box_of, preconditioner, spread
-from grazing_checker.plane import OBJECTS, Apart, Flight, Thing, Vector, dot, words
+from grazing_checker.plane import OBJECTS, Apart, Flight, Reader, Thing, Vector, dot, values_text, words
 from grazing_checker.reading import Inequalities, decimal, demand, keys, numbers, quoted, text_of_double, within
 
 #: Bits of the balls, and most impacts.
 BITS, IMPACTS = 256, 60
 KEYS = ("objects", "rho", "g", "tilt", "impacts", "energy", "centre", "radius", "unique", "preconditioner", "claims")
 CLAIMS = ("box", "apart", "least_period", "time", "incoming", "sums", "stability")
+#: Parameters of the ball and the plane.
+NUMBERS = ("rho", "g", "tilt")
 
 
 def check_table_orbit(data: Mapping[str, Any], inequalities: Any) -> str:
@@ -39,17 +42,29 @@ def check_table_orbit(data: Mapping[str, Any], inequalities: Any) -> str:
     return table_sentence(data)
 
 
-class Table:
-    """The table and the word of a certificate."""
+class Dip(NamedTuple):
+    """A stretch of a flight near a part of an object that it may touch, and a time inside; numbers count from 0."""
 
-    def __init__(self, data: Mapping[str, Any]) -> None:
-        keys(data, KEYS, "the data")
-        rho, g, tilt = (double(text_of_double(data[name])) for name in ("rho", "g", "tilt"))
+    flight: int
+    thing: int
+    part: str
+    start: Ball
+    stop: Ball
+    time: Ball
+
+
+class Table:
+    """The table and the word of a certificate; ``unknown`` stands where a parameter has no value."""
+
+    def __init__(self, data: Mapping[str, Any], unknown: Any = None) -> None:
+        read = Reader(unknown)
+        rho, g, tilt = (read(data[name]) for name in NUMBERS)
         demand(rho >= 0 and g >= 0 and tilt >= 0 and tilt < number(13, -3), "rho, g or tilt is out of range")
         self.g = g * tilt.sin_cos()[0]
         things = data["objects"]
         demand(isinstance(things, list) and 0 < len(things) <= OBJECTS, "the objects are no short list")
-        self.things = [Thing(one, rho) for one in things]
+        self.things = [Thing(one, rho, read) for one in things]
+        demand(not read.left, "the parameter that is unknown has a value")
         names = [one.name for one in self.things]
         demand(len(set(names)) == len(names), "two objects have one name")
         hits = data["impacts"]
@@ -78,8 +93,8 @@ class Table:
             found.append(((mean[0], mean[1] + fall), (mean[0], mean[1] - fall)))
         return found
 
-    def defect(self, x: Point) -> Point:
-        """Return F."""
+    def defect(self, x: list[Any]) -> list[Any]:
+        """Return F, of balls or of balls with their derivatives."""
         frames = self.frames(x)
         speeds = self.speeds(x, frames)
         first, second = [], []
@@ -95,40 +110,7 @@ class Table:
 
     def derivative(self, x: Point) -> Rows:
         """Return the derivative of F by u and t over a box."""
-        n, frames = self.n, self.frames(x)
-        speeds, D = self.speeds(x, frames), [[number(0) for _ in range(2 * n)] for _ in range(2 * n)]
-        moved = [(-m * ny, m * nx) for _p, (nx, ny), m in frames]  # dp/du
-        for i, (_p, normal, m) in enumerate(frames):
-            before, after, T = (i - 1) % n, (i + 1) % n, (-normal[1], normal[0])
-            w, b = speeds[i][0], speeds[before][1]
-            slope = None if self.energy is not None else self.things[self.hits[i][0]].after(dot(normal, b)).by_v
-            lead = w if slope is None else normal
-            changes = []  # (column, change of w, change of b)
-            for k, sign, is_w in ((i, -1, True), (after, 1, True), (before, -1, False), (i, 1, False)):
-                t = x[n + (i if is_w else before)]
-                v = sign * moved[k][0] / t, sign * moved[k][1] / t
-                changes.append((k, v, None) if is_w else (k, None, v))
-            for k, v, is_w in ((i, w, True), (before, b, False)):
-                # mean velocity: -mean/t; mean = w - g t/2 up, or b + g t/2 up
-                t, half = x[n + k], self.g / 2
-                rise = v[1] - half * t if is_w else v[1] + half * t
-                late = -v[0] / t, -rise / t + (half if is_w else -half)
-                changes.append((n + k, late, None) if is_w else (n + k, None, late))
-            for k, dw, db in changes:
-                if dw is not None:
-                    D[i][k] += dot(T, dw)
-                    D[n + i][k] += dot(lead, dw)
-                if db is not None:
-                    D[i][k] -= dot(T, db)
-                    if slope is not None:
-                        D[n + i][k] -= slope * dot(normal, db)
-            if self.word[i].round:
-                D[i][i] -= dot(normal, (w[0] - b[0], w[1] - b[1]))
-                if slope is not None:
-                    D[n + i][i] += dot(T, w) - slope * dot(T, b)
-            if slope is None:
-                D[n + i][i] += self.g * m * T[1]
-        return D
+        return derivative_of(self.defect(list(variables(x))), len(x))
 
     def flights(self, x: Point) -> list[Flight]:
         """Return the flights of a box."""
@@ -139,9 +121,24 @@ class Table:
 
 def table_rows(data: Mapping[str, Any], rows: Any) -> None:
     """Verify a certificate's data; inequalities are taken from ``rows``, or written by what stands in its place."""
+    keys(data, KEYS, "the data")
     table, claims = Table(data), data["claims"]
     keys(claims, CLAIMS, "the claims")
     box = _existence(table, data, rows)
+    incoming = bounces(table, box, rows)
+    frames = table.frames(box)
+    speeds = table.speeds(box, frames)
+    _stability(table, frames, speeds, box, claims, rows)
+    _least_period(table, frames, box, claims, rows)
+    total = sum(box[table.n :], number(0))
+    within(total, claims["time"], "the time of a turn")
+    demand(isinstance(claims["incoming"], list) and len(claims["incoming"]) == table.n, "incoming is not complete")
+    for v, text in zip(incoming, claims["incoming"], strict=True):
+        within(v, text, "an incoming velocity")
+
+
+def bounces(table: Table, box: Point, rows: Any, dip: Dip | None = None) -> list[Ball]:
+    """Verify that all solutions in a box are motions, but for a dip; return the velocities before the impacts."""
     frames = table.frames(box)
     speeds = table.speeds(box, frames)
     incoming = []
@@ -157,14 +154,9 @@ def table_rows(data: Mapping[str, Any], rows: Any) -> None:
         (one, starts), (two, ends) = table.hits[i], table.hits[(i + 1) % table.n]
         for k, thing in enumerate(table.things):
             apart = Apart(thing, flight, starts if k == one else "", ends if k == two else "")
-            rows.more(f"flight {i + 1} off {thing.name}", apart.least(work))
-    _stability(table, frames, speeds, box, claims, rows)
-    _least_period(table, frames, box, claims, rows)
-    total = sum(box[table.n :], number(0))
-    within(total, claims["time"], "the time of a turn")
-    demand(isinstance(claims["incoming"], list) and len(claims["incoming"]) == table.n, "incoming is not complete")
-    for v, text in zip(incoming, claims["incoming"], strict=True):
-        within(v, text, "an incoming velocity")
+            but = (dip.part, dip.start, dip.stop) if dip is not None and (dip.flight, dip.thing) == (i, k) else None
+            rows.more(f"flight {i + 1} off {thing.name}", apart.least(work, but))
+    return incoming
 
 
 def _existence(table: Table, data: Mapping[str, Any], rows: Any) -> Point:
@@ -315,23 +307,66 @@ STABILITY = {
 }
 
 
+def table_text(data: Mapping[str, Any]) -> str:
+    """Return the ball and the table in words; a parameter without a value is named only."""
+    plane = values_text({name: data[name] for name in ("g", "tilt")})
+    radius = "rho" if data["rho"] is None else repr(float.fromhex(data["rho"]))
+    return (
+        f"a ball of radius {radius} that flies by x'' = 0, y'' = -g sin(tilt), {plane}, does not spin, and whose "
+        f"velocity v < 0 along the normal is changed by what it hits, the rest of it staying, among "
+        f"{words(data['objects'])}"
+    )
+
+
+def hits_text(data: Mapping[str, Any]) -> str:
+    """Return what is hit, in its order."""
+    names = ", ".join(map(part_text, data["impacts"]))
+    return f"{names}{', in this order,' if len(data['impacts']) > 1 else ''}"
+
+
+def part_text(hit: Sequence[str]) -> str:
+    """Return a part of an object in words."""
+    name, part = hit
+    return f'{part} of "{name}"' if part != "disc" else f'"{name}"'
+
+
+def coordinates(n: int) -> list[str]:
+    """Return the names of the coordinates of an orbit."""
+    return [f"{letter}_{i + 1}" for letter in "ut" for i in range(n)]
+
+
+#: What the coordinates of an orbit mean.
+MEANING = (
+    "u_i are angles on round parts and lengths from the start on straight ones, t_i the times of the flights after the "
+    "impacts"
+)
+
+
+def impacts_text(data: Mapping[str, Any]) -> str:
+    """Return how many impacts a turn has."""
+    n = len(data["impacts"])
+    return f"{n} {'impacts' if n > 1 else 'impact'}"
+
+
+def energy_text(data: Mapping[str, Any]) -> str:
+    """Return the energy in words where it is conserved."""
+    return "" if data["energy"] is None else f" with the energy {float.fromhex(data['energy'])!r} for a mass of 1"
+
+
+def box_text(data: Mapping[str, Any]) -> str:
+    """Return the box in words."""
+    names = coordinates(len(data["impacts"]))
+    return ", ".join(f"{name} in [{lo}, {hi}]" for name, (lo, hi) in zip(names, data["claims"]["box"], strict=True))
+
+
 def table_sentence(data: Mapping[str, Any]) -> str:
     """Return the sentence of a certificate of a periodic orbit on a table."""
-    claims, hits = data["claims"], data["impacts"]
-    n, names = len(hits), ", ".join(f'{part} of "{name}"' if part != "disc" else f'"{name}"' for name, part in hits)
-    rho, g, tilt = (repr(float.fromhex(data[name])) for name in ("rho", "g", "tilt"))
-    coordinates = [f"{letter}_{i + 1}" for letter in "ut" for i in range(n)]
-    box = ", ".join(f"{name} in [{lo}, {hi}]" for name, (lo, hi) in zip(coordinates, claims["box"], strict=True))
+    claims = data["claims"]
     least = "of least period " if claims["least_period"] else "of period "
-    energy = "" if data["energy"] is None else f" with the energy {float.fromhex(data['energy'])!r} for a mass of 1"
-    many, order = ("impacts", ", in this order,") if n > 1 else ("impact", "")
     return (
-        f"For a ball of radius {rho} that flies by x'' = 0, y'' = -g sin(tilt), g = {g}, tilt = {tilt}, does not spin, "
-        f"and whose velocity v < 0 along the normal is changed by what it hits, the rest of it staying, among "
-        f"{words(data['objects'])}; all parameters and the numbers in the laws taken as these exact doubles, there is "
-        f"a periodic orbit{energy} {least}{n} {many} and a time in [{', '.join(claims['time'])}] that hits "
-        f"{names}{order} and meets nothing else, with {box}; u_i are angles on round parts and lengths from the start "
-        f"on straight ones, t_i the times of the flights after the impacts; no other solution of the equations of such "
-        f"an orbit is within ({', '.join(claims['apart'])}) of it in these coordinates; "
+        f"For {table_text(data)}; all parameters and the numbers in the laws taken as these exact doubles, there is "
+        f"a periodic orbit{energy_text(data)} {least}{impacts_text(data)} and a time in [{', '.join(claims['time'])}] "
+        f"that hits {hits_text(data)} and meets nothing else, with {box_text(data)}; {MEANING}; no other solution of "
+        f"the equations of such an orbit is within ({', '.join(claims['apart'])}) of it in these coordinates; "
         f"{STABILITY[claims['stability']]}."
     )

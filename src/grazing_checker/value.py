@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, Protocol
 
 from grazing_checker.balls import Ball, precision
 from grazing_checker.flight import exceeds
@@ -12,6 +12,7 @@ from grazing_checker.oscillator import (
     Leg,
     Point,
     Problem,
+    Rows,
     applied,
     box_of,
     check_flights,
@@ -77,6 +78,21 @@ def _checked(data: Mapping[str, Any], inequalities: list[Any]) -> str:
     return value_sentence(data)
 
 
+class Equations(Protocol):
+    """Equations of orbits F(x) = 0, ``size`` of them, in one coordinate more: a parameter, the last one."""
+
+    size: int
+
+    def legs(self, x: Point, sensitive: bool = False) -> Any:
+        """Return what the others need of a point, also for derivatives by the parameter: ``sensitive``."""
+
+    def defect(self, x: Point, legs: Any) -> Point:
+        """Return F."""
+
+    def derivative(self, x: Point, legs: Any) -> Rows:
+        """Return the derivative of F by all coordinates."""
+
+
 class Curve:
     """The curve of solutions through a box, one for every value of the pinned coordinate, verified when made.
 
@@ -89,7 +105,7 @@ class Curve:
     Demanded: u > 0, r_s > 0, the inequalities strictly, the law smooth and the impacts in order on the box.
     """
 
-    def __init__(self, problem: Problem, data: Mapping[str, Any], rows: Inequalities) -> None:
+    def __init__(self, problem: Equations, data: Mapping[str, Any], rows: Any) -> None:
         size = problem.size
         self.problem, self.pinned = problem, whole(data["pinned"], 0, "the pinned coordinate")
         demand(self.pinned <= size, "the pinned coordinate does not exist")
@@ -113,7 +129,7 @@ class Curve:
         """Return a row of coordinates without the pinned one."""
         return row[: self.pinned] + row[self.pinned + 1 :]
 
-    def end(self, described: Any, i: int, rows: Inequalities) -> tuple[Point, list[Leg]]:
+    def end(self, described: Any, i: int, rows: Any) -> tuple[Point, Any]:
         """Verify where the curve ends: a small box in the other that holds its solution at that end.
 
         With s at its end and 0 < r, |C F(c')| + |I - C D| r < r proves a solution in the box of half-widths r about c',
@@ -165,7 +181,7 @@ def _change_of_sign(
     """
     demand(data["type"] != "lp" or curve.pinned < problem.size, "a fold is no curve over its parameter")
     if dip is not None:
-        values, name = _heights(curve, ends, dip, rows), "height of the dip"
+        values, name = _heights(problem, curve, ends, dip, rows), "height of the dip"
     else:
         name = TESTED[data["type"]]
         values = [margins(*problem.trace_and_det(*end))[name] for end in ends]
@@ -178,7 +194,9 @@ def _change_of_sign(
         rows.less("trace^2/4 - det", trace * trace / 4 - det)
 
 
-def _heights(curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Dip, rows: Inequalities) -> list[Ball]:
+def _heights(
+    problem: Problem, curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Dip, rows: Inequalities
+) -> list[Ball]:
     """Return bounds on the least height of the dip at both ends, from below where it is positive, else from above.
 
     With y'' > b > 0 on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it, and at most y(s) at its
@@ -187,11 +205,11 @@ def _heights(curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Dip, rows: 
     """
     demand(dip.start < dip.time and dip.time < dip.stop, "the dip is not looked at where it is")
     b = rows.left("acceleration in the dip", ">")
-    path = curve.problem.seen(curve.box, curve.legs[dip.flight], dip.wall)
+    path = problem.seen(curve.box, curve.legs[dip.flight], dip.wall)
     demand(b > 0 and exceeds(path, dip.start, dip.stop, 2, b), "the acceleration in the dip is not proven")
     heights = []
     for box, legs in ends:
-        path = curve.problem.seen(box, legs[dip.flight], dip.wall)
+        path = problem.seen(box, legs[dip.flight], dip.wall)
         y, v = path.at(dip.time), path.at(dip.time, 1)
         least = y - v * v / (2 * b)
         heights.append(least if least > 0 else y)

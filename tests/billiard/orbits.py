@@ -31,3 +31,21 @@ def in_a_row(beside=0.0):
     """Three equal discs side by side; the one in the middle is moved up."""
     places = {"A": (0.0, 0.0), "B": (3.0, beside), "C": (6.0, 0.0)}
     return gz.table([gz.disc(name, place, 1.0, ELASTIC) for name, place in places.items()])
+
+
+def posted(y, scale=1.0):
+    """Three active discs, and a post near the way from one to another."""
+    table = active_discs(4.0, scale=scale)
+    return gz.table([*table.objects, gz.disc("post", (1.5 * scale, y * scale), 0.2 * scale, gz.newton(0.5))])
+
+
+def bowl_and_disc(r=0.8):
+    """An active bowl with a small active disc above it."""
+    disc = gz.disc("A", (0.1, -0.6), 0.3, gz.active(0.9, 0.1))
+    return gz.table([*bowl(r=r).objects, disc], g=1.0, tilt=0.5 * pi)
+
+
+def beside_a_tip(y):
+    """An active bowl with a wire that ends above the way of a ball with a radius."""
+    wire = gz.segment("wire", (0.4, 1.0), (0.4, y), gz.newton(0.5))
+    return gz.table([*bowl(r=0.8, V=0.2554, rho=0.1).objects, wire], rho=0.1, g=1.0, tilt=0.5 * pi)

@@ -98,6 +98,18 @@ def test_outside_its_form():
     assert (linear.agreement == SAME).all() and linear.flow_word.values[0, 0, 0] == "R"
 
 
+def test_the_flow_and_its_graze_are_the_same_outside_the_form():
+    # where b <= 0 the flow was seen at phase 0, where these starts go elsewhere, and the graze was not told
+    push = gz.Forcing(3.52, t0=-5.39, offset=0.685, cos=(1.08,), sin=(-0.7,))
+    model = gz.Oscillator(1.07, 1.983, push, gz.triggered(0.9465, 0.2168, 0.4287), 0.024)
+    starts = [(0.0808, -2.1724), (0.2763, -0.4838), (0.2493, 0.6784)]
+    values = {"offset": [0.685], "V": [0.2168]}
+    gap, linear = (validity(model, values, starts=starts, transient=80, rung=rung) for rung in ("gap", "linearised"))
+    assert gap.agreement.item() == OUTSIDE != linear.agreement.item()
+    for name in ("flow_word", "flow_period", "flow_share", "graze"):
+        assert np.array_equal(gap[name], linear[name]), name
+
+
 def test_harmonics_and_a_wall_that_moves():
     model = gz.Oscillator(2.5, 1.1, TWO, sigma=-0.3, reset=gz.active(r=0.7, V=0.2))
     graze = gz.normal_form(model, "sigma").graze

@@ -3,9 +3,10 @@
 from functools import cache
 
 import grazing as gz
+from grazing.proof.enclose import enclose
 from grazing.proof.gap import certify_gap_edge, certify_gap_orbit
 from grazing.proof.gap_chaos import prove_no_attractor
-from tests.billiard.orbits import active_discs, bowl, pinball
+from tests.billiard.orbits import active_discs, beside_a_tip, bowl, bowl_and_disc, pinball, posted
 from tests.billiard.tables import ELASTIC, three_discs
 from tests.grazing_checker.documents import documents
 
@@ -15,6 +16,7 @@ KINDS = (
     "periodic orbit on a table",
     "bifurcation value",
     "bifurcation value with walls",
+    "bifurcation value on a table",
     "gap map orbit",
     "gap map edge",
     "gap map without attracting orbits",
@@ -28,12 +30,13 @@ TABLE_NAMES = (
     "back and forth", "triangle", "kicked", "kicked and lit", "by the ceiling", "in the bowl", "on the tip",
     "up and down",
 )  # fmt: skip
+TABLE_VALUE_NAMES = ("bowl pd", "bowl lp", "bowl ns", "post gr", "tip gr", "elastic pd")
 
 
 @cache
 def bases():
     """Return documents by name."""
-    return {**documents(), **gap_bases(), **table_bases()}
+    return {**documents(), **gap_bases(), **table_bases(), **table_value_bases()}
 
 
 @cache
@@ -58,6 +61,27 @@ def table_bases():
     }
     assert tuple(found) == TABLE_NAMES
     return {name: gz.certify(orbit).document for name, orbit in found.items()}
+
+
+@cache
+def table_value_bases():
+    """Return documents about bifurcations of orbits on tables by name."""
+
+    def of(table, word, **more):
+        return gz.periodic_orbits(gz.collision_map(table), word=word, starts=20, **more)
+
+    (turning,) = of(bowl_and_disc(), "(bowl)A")
+    way = gz.continuation(turning.map, turning, "bowl.r", (0.794, 0.8))
+    points = {
+        "bowl pd": (of(bowl(r=0.78), "(bowl)")[0], "pd", "bowl.r"),
+        "bowl lp": (of(bowl(r=0.8, V=0.262), "(bowl)", period=3)[0], "lp", "bowl.V"),
+        "bowl ns": (next(one.orbit for one in way.special if one.type == "ns"), "ns", "bowl.r"),
+        "post gr": (of(posted(0.69), "ABC")[0], "gr", "post.y"),
+        "tip gr": (of(beside_a_tip(-0.85), "(bowl)", period=3)[1], "gr", "wire.y2"),
+        "elastic pd": (of(bowl(radius=1.9, r=1.0, V=0.0), "(bowl)", energy=-1.0)[0], "pd", "bowl.radius"),
+    }
+    assert tuple(points) == TABLE_VALUE_NAMES
+    return {name: enclose(*point).document for name, point in points.items()}
 
 
 @cache

@@ -14,10 +14,11 @@ import numpy as np
 
 from grazing.proof.report import bound
 from grazing.proof.text import below, enclosed
-from grazing_checker import gap, orbit, table, value
+from grazing_checker import gap, orbit, table, table_value, value
 from grazing_checker.balls import LOCK, double, number, pi, precision
 from grazing_checker.check import KINDS, trusted_base
 from grazing_checker.envelope import seal
+from grazing_checker.gradient import Gradient
 from grazing_checker.oscillator import Problem
 from grazing_checker.reading import exact
 from grazing_checker.sentence import orbit_sentence, value_sentence
@@ -28,6 +29,7 @@ SENTENCES = {
     "periodic orbit on a table": table.table_sentence,
     "bifurcation value": value_sentence,
     "bifurcation value with walls": value_sentence,
+    "bifurcation value on a table": table_value.table_value_sentence,
     "gap map orbit": gap.orbit_sentence,
     "gap map edge": gap.edge_sentence,
     "gap map without attracting orbits": gap.no_attractor_sentence,
@@ -88,7 +90,7 @@ def forging(script, honest):
 
     kept = {
         (module, name): getattr(module, name)
-        for module in (gap, orbit, table, value)
+        for module in (gap, orbit, table, table_value, value)
         for name in ("Inequalities", "within")
     }
     pen = type("Pen", (Pen,), {"script": script})
@@ -528,8 +530,8 @@ def kicked(rng, data, _others):
 def unknown(rng, data, _others):
     """Another parameter is said to be the unknown one."""
     old = data["parameter"]
-    if "walls" in data:
-        unknown_of_a_wall(rng, data, old)
+    if "model" not in data or "walls" in data:
+        unknown_of_another(rng, data, old)
         return
     places = {"offset": ("model", "offset"), "alpha": ("model", "alpha"), "r": ("law", "r"), "V": ("law", "V")}
     of, name = rng.choice(list(places.values()))
@@ -541,17 +543,22 @@ def unknown(rng, data, _others):
     data["parameter"] = {"of": of, "name": name}
 
 
-def unknown_of_a_wall(rng, data, old):
-    """Another parameter of the model, of a wall or of its law has no value, or is said to have none."""
-    groups = {"model": data["model"]}
-    for wall in data["walls"]:
-        groups |= {wall["name"]: wall, f"law of {wall['name']}": wall["law"]["parameters"]}
+def unknown_of_another(rng, data, old):
+    """Another parameter of the model, of a wall or an object or its law has no value, or is said to have none."""
+    if "objects" in data:
+        parts = data["objects"]
+        groups = {"the table": {name: data[name] for name in table.NUMBERS}}
+    else:
+        parts, groups = data["walls"], {"model": data["model"]}
+    for one in parts:
+        groups |= {one["name"]: one.get("shape", one)}
+        groups |= {f"law of {one['name']}": one["law"]["parameters"]} if "law" in one else {}
     of = rng.choice(list(groups))
     name = rng.choice([key for key, text in groups[of].items() if text is None or is_double(text)])
     before = groups[old["of"]]
     if old["name"] in before and rng.random() < 0.7:
         before[old["name"]], groups[of][name] = groups[of][name], None
-    data["parameter"] = {"of": rng.choice((of, of, of, f"law of {of}", "law", "B")), "name": name}
+    data["parameter"] = {"of": rng.choice((of, of, of, f"law of {of}", "law", "B", "the table")), "name": name}
 
 
 def event(rng, data, _others):
@@ -619,8 +626,11 @@ def system(data):
             F, D = [*F, last], [*D, slope]
         return F, [[row_.get(j, number(0)) for j in range(k + edged)] for row_ in D]
     if "objects" in data:
-        found, x = table.Table(data), [exact(text) for text in data["centre"]]
-        return found.defect(x), found.derivative(x)
+        x, pinned = [exact(text) for text in data["centre"]], data.get("pinned", len(data["centre"]))
+        found = table_value.Problem(data) if "parameter" in data else table.Table(data)
+        legs = (found.legs(x, sensitive=True),) if "parameter" in data else ()
+        F = [one.x if isinstance(one, Gradient) else one for one in found.defect(x, *legs)]
+        return F, [one[:pinned] + one[pinned + 1 :] for one in found.derivative(x, *legs)]
     unknown = (data["parameter"]["of"], data["parameter"]["name"]) if "parameter" in data else None
     problem = Problem(data, unknown)
     x = [exact(text) for text in data["centre"]]
@@ -699,7 +709,8 @@ def elsewhere(rng, data, others):
 def closed(data, x, steps=3):
     """An orbit near x with its pinned coordinate, by the preconditioner."""
     C = [[double(float.fromhex(one)) for one in row_] for row_ in data["preconditioner"]]
-    problem, free = Problem(data, (data["parameter"]["of"], data["parameter"]["name"])), list(range(len(x)))
+    of, free = data["parameter"], list(range(len(x)))
+    problem = table_value.Problem(data) if "objects" in data else Problem(data, (of["of"], of["name"]))
     del free[data["pinned"]]
     with precision(256):
         point = [exact(text) for text in x]
@@ -937,6 +948,36 @@ def other_energy(rng, data, others):
         fitting_matrix(rng, data, others)
 
 
+def dip_elsewhere(rng, data, _others):
+    """The dip of a flight moved, turned round, of another part, object or flight, or there where none is."""
+    dip = data["dip"]
+    names = [one["name"] for one in data["objects"]]
+    if not dip:
+        dip |= {
+            "flight": 1,
+            "object": rng.choice(names),
+            "part": "disc",
+            "from": "0x1p-3",
+            "to": "0x1p-1",
+            "time": "0x1p-2",
+        }
+        data["type"] = rng.choice(("gr", data["type"]))
+        return
+    how = rng.randrange(5)
+    if how == 0:
+        a, b = rng.sample(("from", "to", "time"), 2)
+        dip[a], dip[b] = dip[b], dip[a]
+    elif how == 1:
+        dip["flight"] = rng.choice((dip["flight"] + 1, dip["flight"] - 1, 0, True, 99))
+    elif how == 2:
+        dip["object"] = rng.choice((*names, "Z", "", None))
+    elif how == 3:
+        dip["part"] = rng.choice(("disc", "left", "right", "start", "stop", "outer", "inner", "drain", 1))
+    else:
+        name = rng.choice(("from", "to", "time"))
+        dip[name] = other_exact(rng, dip[name])
+
+
 COMMON = (one_number, one_number, roles, dropped, of_a_neighbour, neighbours_proof, parameter, wider, true_of_it)
 SOLVED = (*COMMON, radii, matrix, fitting_matrix, solved_again, orthogonal)
 OSCILLATOR = (*SOLVED, signature, law, kicked, cuts, later)
@@ -948,6 +989,19 @@ WAYS = {
     "periodic orbit on a table": (*SOLVED, law, kicked, *TABLES, *TABLES),
     "bifurcation value": (*OSCILLATOR, unknown, event),
     "bifurcation value with walls": (*OSCILLATOR, unknown, event, *WALLS),
+    "bifurcation value on a table": (
+        *SOLVED,
+        law,
+        kicked,
+        other_word,
+        in_the_way,
+        object_changed,
+        other_energy,
+        unknown,
+        event,
+        dip_elsewhere,
+        dip_elsewhere,
+    ),
     "gap map orbit": (*SOLVED, word, again),
     "gap map edge": (*SOLVED, word, edge, again),
     "gap map without attracting orbits": (*COMMON, turns, turns, interval),

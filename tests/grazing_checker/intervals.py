@@ -83,6 +83,8 @@ class arb:
         return cls.of(mpi_pi(ctx.prec))
 
     def _with(self, other, operation, turned=False):
+        if not isinstance(other, (arb, int, float)):
+            return NotImplemented
         one, two = self.ends, (other if type(other) is arb else arb(other)).ends
         if one is None or two is None:
             return arb.of(None)
@@ -128,18 +130,22 @@ class arb:
     # true only if it holds for all numbers of both
 
     def __lt__(self, other):
+        if not isinstance(other, (arb, int, float)):
+            return NotImplemented
         one, two = self.ends, arb(other).ends
         return one is not None and two is not None and mpf_lt(one[1], two[0])
 
     def __le__(self, other):
+        if not isinstance(other, (arb, int, float)):
+            return NotImplemented
         one, two = self.ends, arb(other).ends
         return one is not None and two is not None and mpf_le(one[1], two[0])
 
     def __gt__(self, other):
-        return arb(other) < self
+        return arb(other) < self if isinstance(other, (arb, int, float)) else NotImplemented
 
     def __ge__(self, other):
-        return arb(other) <= self
+        return arb(other) <= self if isinstance(other, (arb, int, float)) else NotImplemented
 
     def __eq__(self, other):
         return self <= other and self >= other

@@ -76,7 +76,7 @@ def alone(tmp_path_factory):
 
 def test_a_copy_of_the_folder_checks_every_kind_with_nothing_but_python_flint(alone, tmp_path):
     paths, proofs = {}, {name.replace(" ", "-"): document for name, document in bases().items()}
-    for name in ("stable", "free", "own", "pair", "kicked", "pd", "table-pd", "R", "gap-pd", "small"):
+    for name in ("stable", "free", "own", "pair", "kicked", "pd", "table-pd", "bowl-pd", "R", "gap-pd", "small"):
         paths[name] = tmp_path / f"{name}.json"
         paths[name].write_text(json.dumps(proofs[name]))
     assert {proofs[name]["kind"] for name in paths} == set(KINDS)

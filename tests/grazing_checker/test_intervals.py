@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 import grazing_checker
 from tests.examples import examples
 from tests.grazing_checker import intervals
-from tests.grazing_checker.bases import GAP_NAMES, KINDS, TABLE_NAMES, bases
+from tests.grazing_checker.bases import GAP_NAMES, KINDS, TABLE_NAMES, TABLE_VALUE_NAMES, bases
 from tests.grazing_checker.documents import NAMES, WALLED
 from tests.grazing_checker.forgeries import forgeries
 
@@ -28,7 +28,7 @@ def second():
 
 
 #: Certificates that this arithmetic confirms in less than a few seconds.
-QUICK = ("free", "ns", *WALLED, "table pd", *GAP_NAMES, *TABLE_NAMES)
+QUICK = ("free", "ns", *WALLED, "table pd", *GAP_NAMES, *TABLE_NAMES, *TABLE_VALUE_NAMES)
 OF_THE_GAP_MAP = tuple(kind for kind in KINDS if kind.startswith("gap map"))
 OF_THE_OSCILLATOR = tuple(kind for kind in KINDS if kind not in OF_THE_GAP_MAP)
 

@@ -8,7 +8,7 @@ from flint import arb
 
 from grazing_checker import Rejected, check
 from grazing_checker.balls import number, precision
-from grazing_checker.plane import Apart, Flight, Thing, factored, over, value
+from grazing_checker.plane import Apart, Flight, Reader, Thing, factored, over, value
 from grazing_checker.reading import exact
 from grazing_checker.table import Table, margins, sums_of
 from tests.grazing_checker.bases import table_bases
@@ -230,7 +230,7 @@ def test_margins_are_positive_exactly_inside_the_unit_circle(seed):
 def test_a_flight_that_is_off_by_little_is_shown_in_few_pieces():
     with precision(256):
         zero = number(0)
-        thing = Thing(table_bases()["back and forth"]["data"]["objects"][0], zero)
+        thing = Thing(table_bases()["back and forth"]["data"]["objects"][0], zero, Reader())
         for depth in (1e-3, 1e-9, 1e-15):
             flight, work = Flight((arb(-5), arb(1 + depth)), (arb(1), zero), arb(10), zero), [0]
             assert 0 < Apart(thing, flight, "", "").least(work) < 3 * depth and work[0] < 300

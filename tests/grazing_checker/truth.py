@@ -431,20 +431,10 @@ def oscillator_orbit(data):
 
 
 def oscillator_value(data):
-    claims, n = data["claims"], data["impacts"]
-    texts, size, kind = [*claims["box"], claims["value"]], len(claims["box"]), data["type"]
-    pinned = data["pinned"]
-    guess = [middle(one) for one in texts]
+    claims, n, size, kind = data["claims"], data["impacts"], len(data["claims"]["box"]), data["type"]
 
-    def along(value):
-        """The orbit at a value of the coordinate that runs along the curve."""
-        fixed = partial(put, pinned, value)
-
-        def equations(z):
-            full = fixed(z)
-            return rig_of(data, full[size]).equations(full[:size])
-
-        return fixed(solved(equations, guess[:pinned] + guess[pinned + 1 :]))
+    def equations(full):
+        return rig_of(data, full[size]).equations(full[:size])
 
     def test(full):
         rig = rig_of(data, full[size])
@@ -452,6 +442,29 @@ def oscillator_value(data):
             return rig.height_of(full[:size], data["dip"], exact(data["dip"]["time"]))
         trace, det = rig.trace_and_det(full[:size])
         return {"pd": 1 + trace + det, "lp": 1 - trace + det, "ns": 1 - det}[kind]
+
+    zero, ends = bifurcation(data, equations, test)
+    rig = rig_of(data, zero[size])
+    rig.off_the_walls(zero[:size], data["dip"] or None)
+    if kind == "ns":
+        trace, det = rig.trace_and_det(zero[:size])
+        hold(trace**2 / 4 < det, "the multipliers are real")
+    for claimed, end in zip(claims["ends"], ends, strict=True):
+        trace, det = rig_of(data, end[size]).trace_and_det(end[:size])
+        check_stability(claimed, trace, det)
+    hold(n or kind == "gr", "a free ball bifurcates nowhere")
+
+
+def bifurcation(data, equations, test):
+    """The zero of a test function along the curve of a certificate, and the ends of that as they are claimed."""
+    claims, pinned = data["claims"], data["pinned"]
+    texts = [*claims["box"], claims["value"]]
+    guess = [middle(one) for one in texts]
+
+    def along(value):
+        """The orbit at a value of the coordinate that runs along the curve."""
+        fixed = partial(put, pinned, value)
+        return fixed(solved(lambda z: equations(fixed(z)), guess[:pinned] + guess[pinned + 1 :]))
 
     s = [mpf(text) for text in texts[pinned]]
     ends = [along(value) for value in s]
@@ -468,15 +481,7 @@ def oscillator_value(data):
     for one, text in zip(zero, texts, strict=True):
         low, high = map(mpf, text)
         hold(low - mpf(10) ** -18 <= one <= high + mpf(10) ** -18, "the bifurcation lies elsewhere")
-    rig = rig_of(data, zero[size])
-    rig.off_the_walls(zero[:size], data["dip"] or None)
-    if kind == "ns":
-        trace, det = rig.trace_and_det(zero[:size])
-        hold(trace**2 / 4 < det, "the multipliers are real")
-    for claimed, end in zip(claims["ends"], ends, strict=True):
-        trace, det = rig_of(data, end[size]).trace_and_det(end[:size])
-        check_stability(claimed, trace, det)
-    hold(n or kind == "gr", "a free ball bifurcates nowhere")
+    return zero, ends
 
 
 def put(pinned, value, rest):
@@ -513,7 +518,12 @@ def table_orbit(data):
     truth_table.table_orbit(data, Untrue, inside, check_sums)
 
 
+def table_value(data):
+    truth_table.table_value(data, Untrue, partial(bifurcation, data))
+
+
 TRUTHS = {
+    "bifurcation value on a table": table_value,
     "periodic orbit on a table": table_orbit,
     "gap map orbit": gap_orbit,
     "gap map edge": gap_edge,

@@ -4,6 +4,10 @@ Balls are flown from impact to impact as states (x, y, vx, vy), each impact bein
 orbit is the fixed point of one turn. Nothing of grazing_checker is used.
 """
 
+from copy import deepcopy
+from itertools import combinations
+from math import prod
+
 import numpy as np
 from mpmath import mp, mpc, mpf
 
@@ -14,19 +18,22 @@ def expj(x):
     return mpc(mp.cos(x), mp.sin(x))
 
 
+def number(text):
+    """A number of a certificate, or one in its place."""
+    return text if isinstance(text, mpf) else mpf(float.fromhex(text))
+
+
 class Ball:
     """A ball on the table of a certificate."""
 
     def __init__(self, data, untrue):
         self.untrue = untrue
-        self.rho, g, tilt = (mpf(float.fromhex(data[name])) for name in ("rho", "g", "tilt"))
+        self.rho, g, tilt = (number(data[name]) for name in ("rho", "g", "tilt"))
         self.hold(self.rho >= 0 and g >= 0 and 0 <= tilt < 1.6, "no such ball")
         self.g = g * mp.sin(tilt)
         self.objects = {one["name"]: one for one in data["objects"]}
         self.hold(len(self.objects) == len(data["objects"]), "two objects have one name")
-        self.shapes = {
-            name: {key: mpf(float.fromhex(x)) for key, x in one["shape"].items()} for name, one in self.objects.items()
-        }
+        self.shapes = {name: {key: number(x) for key, x in one["shape"].items()} for name, one in self.objects.items()}
         self.energy = None if data["energy"] is None else mpf(float.fromhex(data["energy"]))
 
     def hold(self, condition, said):
@@ -86,7 +93,7 @@ class Ball:
 
     def law(self, name, v):
         law = self.objects[name]["law"]
-        p = {key: mpf(float.fromhex(x)) for key, x in law["parameters"].items()}
+        p = {key: number(x) for key, x in law["parameters"].items()}
 
         def at(tree):
             if isinstance(tree, str):
@@ -216,12 +223,7 @@ def table_orbit(data, untrue, inside, check_sums):
             ball.hold(all(abs(ball.law(name, k * v) + k * v) < TINY * abs(v) for k in (1, 2, 0.25)), "no elastic law")
     for i, (start, t) in enumerate(zip(states, times, strict=True)):
         clear(ball, start, t, word[i], word[(i + 1) % n], i)
-    h, J = mpf(10) ** -12, mp.zeros(3, 3)
-    for j in range(3):
-        ahead, back = ([x[k] + s * h * (k == j) for k in range(3)] for s in (1, -1))
-        up, down = after(ahead)[0], after(back)[0]
-        for k in range(3):
-            J[k, j] = (up[k] - down[k]) / (2 * h)
+    J = differences(lambda y: after(y)[0], x)
     check_sums(J, claims, level)
     if claims["least_period"]:
         for step in (k for k in range(1, n) if n % k == 0):
@@ -232,8 +234,127 @@ def table_orbit(data, untrue, inside, check_sums):
             ball.hold(not same, f"it repeats after {step} impacts")
 
 
-def clear(ball, start, t, one, two, i):
-    """A flight is off everything inside: at the ends of the pieces on which its distances rise or fall."""
+def table_value(data, untrue, bifurcation):
+    """Raise ``untrue`` unless the statement of a certificate of a bifurcation on a table holds.
+
+    Its equations are velocities: what leaves an impact is what the law makes of what came. The multipliers are those of
+    a turn by differences.
+    """
+    word, kind, dip = [tuple(hit) for hit in data["impacts"]], data["type"], data["dip"]
+    n, level = len(word), data["energy"] is not None
+
+    def ball_of(full):
+        return Ball(placed(data, full[2 * n], untrue), untrue)
+
+    def flights(ball, full):
+        """Places, velocities after the impacts, and before them."""
+        places = [ball.start([hit], (x, mpf(0), mpf(1)))[0] for hit, x in zip(word, full[:n], strict=True)]
+        times = full[n : 2 * n]
+        w = [(places[(i + 1) % n] - places[i]) / t + 0.5j * ball.g * t for i, t in enumerate(times)]
+        b = [w[i - 1] - 1j * ball.g * times[i - 1] for i in range(n)]
+        return places, w, b, times
+
+    def equations(full):
+        ball = ball_of(full)
+        places, w, b, _times = flights(ball, full)
+        found = []
+        for i, (name, part) in enumerate(word):
+            off = w[i] - ball.struck(name, part, (places[i], b[i]))[0][1]
+            normal = ball.normal(name, part, places[i])
+            across, along = (off * mp.conj(normal)).real, (off * mp.conj(normal)).imag
+            if level:
+                across = abs(w[i]) ** 2 / 2 + ball.g * places[i].imag - ball.energy
+            found += [across, along]
+        return found
+
+    def roots_of(full):
+        ball = ball_of(full)
+        _places, w, _b, times = flights(ball, full)
+        x = [full[0], mp.arg(w[0]), abs(w[0])]
+
+        def after(y):
+            end = ball.coordinates(word, ball.turn(ball.start(word, y), word, times)[0])
+            end[0] = near(end[0], y[0]) if ball.circle(*word[0]) is not None else end[0]
+            return [end[0], near(end[1], y[1]), end[2]]
+
+        roots = [mp.mpc(one) for one in mp.eig(differences(after, x), left=False, right=False)]
+        if level:
+            del roots[min(range(3), key=lambda k: abs(roots[k] - 1))]
+        return roots
+
+    def test(full):
+        if kind == "gr":
+            ball = ball_of(full)
+            places, w, _b, _times = flights(ball, full)
+            i, hit = dip["flight"] - 1, (dip["object"], dip["part"])
+            return lowest(ball, (places[i], w[i]), hit, dip)
+        roots = roots_of(full)
+        if kind == "ns":
+            return prod(1 - a * b for a, b in combinations(roots, 2)).real
+        return prod(1 + (1 if kind == "pd" else -1) * one for one in roots).real
+
+    zero, ends = bifurcation(equations, test)
+    ball = ball_of(zero)
+    places, w, b, times = flights(ball, zero)
+    for i, (name, part) in enumerate(word):
+        ball.hold(abs(ball.distance(name, places[i])) < TINY * (1 + abs(places[i])), f"impact {i + 1} is no contact")
+        normal = ball.normal(name, part, places[i])
+        ball.hold((b[i] * mp.conj(normal)).real < 0 < (w[i] * mp.conj(normal)).real, f"impact {i + 1} is none")
+        touched = dip if dip and dip["flight"] == i + 1 else None
+        clear(ball, (places[i], w[i]), times[i], word[i], word[(i + 1) % n], i, touched)
+    if kind == "ns":
+        ball.hold(max(abs(one.imag) for one in roots_of(zero)) > mpf(10) ** -9, "the multipliers are real")
+    for claimed, end in zip(data["claims"]["ends"], ends, strict=True):
+        outside = max(map(abs, roots_of(end))) if kind != "gr" else None
+        ball.hold(kind == "gr" or claimed != "stable" or (outside < 1 and not level), "the orbit is not stable")
+        ball.hold(kind == "gr" or claimed != "unstable" or outside > 1, "the orbit is not unstable")
+
+
+def differences(function, x):
+    """The derivative of a function of three numbers."""
+    h, J = mpf(10) ** -12, mp.zeros(3, 3)
+    for j in range(3):
+        up, down = (function([x[k] + s * h * (k == j) for k in range(3)]) for s in (1, -1))
+        for k in range(3):
+            J[k, j] = (up[k] - down[k]) / (2 * h)
+    return J
+
+
+def placed(data, value, untrue):
+    """The data with a number in the place of the parameter that has none."""
+    data, of, name = deepcopy(data), data["parameter"]["of"], data["parameter"]["name"]
+    groups = {"the table": data}
+    for one in data["objects"]:
+        groups |= {one["name"]: one["shape"], f"law of {one['name']}": one.get("law", {}).get("parameters", {})}
+    if of not in groups or groups[of].get(name, 0) is not None:
+        raise untrue("no such parameter is unknown")
+    groups[of][name] = value
+    return data
+
+
+def lowest(ball, start, hit, dip):
+    """The least height of a flight above a part of an object, near the time of a dip."""
+
+    def rise(s):
+        p, v = ball.flown(start, s)
+        return (v * mp.conj(ball.normal(*hit, p))).real
+
+    low, high, time = (exact(dip[name]) for name in ("from", "to", "time"))
+    s = mp.findroot(rise, (time, time * (1 + mpf(10) ** -9)), tol=mpf(10) ** -50)
+    ball.hold(low < s < high, "the dip is elsewhere")
+    return ball.gap(*hit, ball.flown(start, s)[0])
+
+
+def exact(text):
+    mantissa, exponent = text.split("p")
+    return mpf(int(mantissa, 16)) * mpf(2) ** int(exponent)
+
+
+def clear(ball, start, t, one, two, i, dip=None):
+    """A flight is off everything inside: at the ends of the pieces on which its distances rise or fall.
+
+    But for a touch in a dip.
+    """
     (p, w), g = start, ball.g
     for name, thing in ball.objects.items():
         times = [t * k / 64 for k in range(1, 64)]
@@ -260,7 +381,11 @@ def clear(ball, start, t, one, two, i):
             if edge < s < t - edge:
                 deep = ball.distance(name, ball.flown(start, s)[0])
                 own = (name in (one[0],) and s < 1e-3 * t) or (name in (two[0],) and s > (1 - 1e-3) * t)
-                ball.hold(deep > 0 or own, f"flight {i + 1} meets {name} at {mp.nstr(s, 8)}, {mp.nstr(deep, 5)}")
+                touch = dip and name == dip["object"] and exact(dip["from"]) < s < exact(dip["to"])
+                ball.hold(
+                    deep > 0 or own or (touch and deep > -TINY * (1 + abs(p))),
+                    f"flight {i + 1} meets {name} at {mp.nstr(s, 8)}, {mp.nstr(deep, 5)}",
+                )
 
 
 def real_roots(c):

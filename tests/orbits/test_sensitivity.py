@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.orbits.sensitivity import sensitivity
+from grazing.orbits.sensitivity import Edge, sensitivity
+from grazing.orbits.survey import families
 from grazing.orbits.windows import windows
 from tests.models import MODELS
 from tests.orbits.test_exact_edges import N as PERIODS
@@ -230,8 +231,29 @@ def test_no_unit_matters():
     assert (np.abs(one.derivative.values - moved) <= one.error.values + error).all()
 
 
+def test_a_harmonic_that_is_not_there_yet():
+    """The fastest harmonic weighs the test functions, and jumps at an amplitude of 0: slopes were wrong there."""
+
+    def model(cos2):
+        push = gz.Forcing(3.0, offset=0.4, cos=(1.2, cos2), sin=(-0.2,))
+        return gz.Oscillator(0.0, 2.4, push, gz.newton(0.45), -0.34)
+
+    found, here = sensitivity(model(0.0), "omega", 1).sel(parameter="cos2"), 1e-3
+    one, other = (windows(model(cos2), "omega", 1) for cos2 in (-here, here))
+    assert found.sizes["window"] > 1 and (found.error < 1e-10).all()
+    for edge in ("low", "high"):
+        true = (other[edge].values - one[edge].values) / (2.0 * here)
+        assert np.allclose(found.derivative.sel(edge=edge).values, true, atol=2e-5)
+
+
 def test_bad_input():
     with pytest.raises(gz.InputError, match="unknown parameter 'D'"):
         sensitivity(gz.pinball(), "D")
     with pytest.raises(gz.OutsideForm, match="affine"):
         sensitivity(MODELS["own law"], "omega", 1)
+
+
+def test_an_edge_at_which_there_is_no_orbit_has_no_derivatives():
+    model = gz.pinball(V=0.4, d=1000.0)  # the force never brings the ball back
+    (family,) = families(model, 1, "d")
+    assert Edge(family, "pd", 1000.0, 0).moved(1e-6) is None

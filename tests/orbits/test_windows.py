@@ -303,6 +303,17 @@ def test_a_law_of_ones_own_and_what_is_no_model_are_refused():
         windows("S", "d")
 
 
+def test_a_speed_that_vanishes_takes_no_other_test_along():
+    """At k = 8/5 omega every flight of five periods closes: the impact loses its speed, and all that it multiplies.
+
+    V = 0 and r < 1 have no Neimark-Sacker bifurcation: det J = r^2.
+    """
+    push = gz.Forcing(2.5, offset=-0.4, cos=(0.8, -0.2))
+    table = windows(gz.Oscillator(0.0, 2.0, push, gz.newton(0.47), -0.33), "k", 5, (3.98, 4.02), 50)
+    assert table.high.values == pytest.approx([4.0], rel=1e-12)
+    assert table.low_type.values.tolist() == ["lp"] and table.high_type.values.tolist() == ["v0"]
+
+
 @pytest.mark.parametrize(
     ("name", "span"),
     [

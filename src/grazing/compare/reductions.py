@@ -62,7 +62,7 @@ class Reductions:
                 f"the graze depends on neither {first} nor {second}; vary a parameter of the flight, such as d or omega"
             )
         self.name, self.other = (first, second) if first not in still else (second, first)
-        self.forms: dict[float, NormalForm | str] = {}
+        self.forms: dict[float, tuple[NormalForm | None, str]] = {}
         self.map: Map
         if rung == "gap":
             self.map = gap_map(0.5, 0.0, 0.0)
@@ -71,23 +71,24 @@ class Reductions:
         else:
             self.map = discontinuity_map(model, order=rung)
 
-    def form(self, value: float) -> NormalForm | str:
-        """Return the normal form at a value of the other parameter, or why there is none."""
+    def form(self, value: float) -> tuple[NormalForm | None, str]:
+        """Return the normal form at a value of the other parameter, if any, and why the reduction is outside it."""
         if value not in self.forms:
             try:
                 form = normal_form(self.model.replace(**{self.other: value}), self.name)
+                outside = ""
                 if self.rung == "gap" and form.b <= 0.0:
-                    raise OutsideForm(f"b = {form.b:g} <= 0: the root enters with the other sign, outside (2.6)")
-                self.forms[value] = form
+                    outside = f"b = {form.b:g} <= 0: the root enters with the other sign, outside (2.6)"
+                self.forms[value] = form, outside
             except OutsideForm as error:
-                self.forms[value] = str(error)
+                self.forms[value] = None, str(error)
         return self.forms[value]
 
     def place(self, cell: int) -> Place:
         """Return what the reduced map needs in a cell."""
         at = dict(zip(self.runs.axes, self.runs.values(np.array([cell]))[0].tolist(), strict=True))
-        form, none = self.form(at[self.other]), np.zeros(2)
-        if isinstance(form, str):
+        (form, outside), none = self.form(at[self.other]), np.zeros(2)
+        if form is None:
             return Place(0.0, None, np.eye(2), none, none, None, self.rung)
         here = self.model.replace(**at)
         c = constants(here)
@@ -95,7 +96,10 @@ class Reductions:
         half = (form.time - strobe) % c.T
         E = np.array(modes(half, c)).reshape(2, 2)
         before, after = (np.array(steady_response(t, c)) for t in (strobe, form.time))
-        if self.rung == "gap":
+        row: list[float] | None
+        if outside:
+            row = None
+        elif self.rung == "gap":
             row = [form.lam, form.mu(at[self.name]), form.l]
         elif self.rung == "linearised":
             row = [form.lam, form.det, form.mu(at[self.name]), form.l, 1.0 if form.b > 0.0 else -1.0]
@@ -106,8 +110,8 @@ class Reductions:
     def finish(self, result: xr.Dataset) -> xr.Dataset:
         """Return the result with the graze, as a function of the other parameter, and why there is no form."""
         forms = [self.form(value) for value in result[self.other].values.tolist()]
-        graze = [np.nan if isinstance(form, str) else form.graze for form in forms]
+        graze = [np.nan if form is None else form.graze for form, _outside in forms]
         about = {"long_name": f"{self.name} at the graze of the steady response", "units": "1"}
-        said = sorted({form for form in forms if isinstance(form, str)})
+        said = sorted({outside for _form, outside in forms if outside})
         result.attrs |= {"rung": self.rung, "unfolds": self.name, "outside": json.dumps(said)}
         return result.assign(graze=(self.other, np.array(graze), about))

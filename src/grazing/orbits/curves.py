@@ -7,8 +7,8 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from grazing.orbits.closure import TWO_PI
 from grazing.orbits.survey import PHASE, SLOPE, V_MINUS, Family, extremum, survey
@@ -17,6 +17,8 @@ from grazing.orbits.survey import PHASE, SLOPE, V_MINUS, Family, extremum, surve
 MOVE = 0.3
 #: Part of the span at which halving stops. Nearer to a fold the zeros of G drown in rounding; the extremum does not.
 FINEST = 1e-10
+#: Zeros on either side of a cell that can be halved no further are the same within this phase.
+NEAR = 0.01
 
 
 class Edge(NamedTuple):
@@ -116,7 +118,7 @@ def survivors(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[tuple[int,
     away = np.abs(wrapped(b[None, :, PHASE] - a[:, None, PHASE]))
     away[a[:, None, SLOPE] * b[None, :, SLOPE] < 0.0] = np.inf
     pairs = [(i, int(np.argmin(away[i]))) for i in range(len(a))]
-    return [(i, j) for i, j in pairs if away[i, j] < 0.01 and int(np.argmin(away[:, j])) == i]
+    return [(i, j) for i, j in pairs if away[i, j] < NEAR and int(np.argmin(away[:, j])) == i]
 
 
 def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
@@ -183,8 +185,20 @@ def ends(family: Family, inside: Node, outside: Node, unmatched: list[int]) -> l
         apart = [float(wrapped(other[PHASE] - row[PHASE])) for other in partners]
         nearest = min(apart, key=abs, default=np.inf)
         value = fold(family, inside[0], outside[0], row[PHASE] + 0.5 * nearest) if abs(nearest) < 0.5 else None
-        edges.append(broken(family, inside, outside[0], i) if value is None else Edge(value, "lp", "zero"))
+        if value is None:
+            edges.append(broken(family, inside, outside[0], i))
+        else:  # where all flights close, as at a resonance without damping, G is 0 at all phases
+            beyond = value + 4.0 * (outside[0] - inside[0])
+            edges.append(Edge(value, "v0" if passed(family, row, beyond) else "lp", "zero"))
     return edges
+
+
+def passed(family: Family, row: NDArray[np.float64], beyond: float) -> bool:
+    """Return whether a zero goes on at a value beyond its end, with a speed of the other sign."""
+    table, counts = survey(family, np.array([beyond]))
+    rows = table[0, : counts[0]]
+    near = np.abs(wrapped(rows[:, PHASE] - row[PHASE])) < NEAR
+    return bool((near & (rows[:, V_MINUS] * row[V_MINUS] < 0.0)).any())
 
 
 def broken(family: Family, inside: Node, outside: float, i: int) -> Edge:
@@ -216,6 +230,6 @@ def fold(family: Family, inside: float, outside: float, guess: float) -> float |
     for _ in range(12):
         if start * height(inside + reach) <= 0.0:
             low, high = sorted((inside, inside + reach))
-            return float(brentq(height, low, high, xtol=1e-18 * abs(reach), rtol=1e-15, maxiter=300))
+            return float(scipy.optimize.brentq(height, low, high, xtol=1e-18 * abs(reach), rtol=1e-15, maxiter=300))
         reach *= 8.0
     return None

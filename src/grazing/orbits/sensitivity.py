@@ -12,13 +12,13 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.orbits.closure import TESTS, closing, impact_state, impact_velocities
+from grazing.orbits.closure import TESTS, Closing, closing, impact_state, impact_velocities
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.rounding import noise
 from grazing.orbits.survey import PHASE, Family, families, survey
@@ -137,7 +137,8 @@ class Edge:
     """An edge of a window as the solution of equations, analytic in all that they depend on.
 
     The variables are the phase of the impact, the time after it at which the flight touches the wall (for gr), then
-    the row of the family's parameters.
+    the row of the family's parameters. The two equations of the velocities are weighed by the fastest rate at the edge
+    itself: off their solution the test functions depend on it, and it jumps where a harmonic of amplitude 0 begins.
     """
 
     def __init__(self, family: Family, kind: str, value: float, dip: int) -> None:
@@ -177,7 +178,7 @@ class Edge:
     def starts(self) -> list[Floats]:
         """Return the variables (phase, time, row) of orbits that may be the one at the edge, the likeliest first."""
         phases = self.phases()
-        here = np.array([[phase, 0.0, *self.row] for phase in phases]).reshape(len(phases), -1)
+        here = np.array([[phase, 0.0, *self.row] for phase in phases]).reshape(-1, 2 + len(self.row))
         values = np.abs(self.evaluated(here)[:, self.columns[1]]) if len(here) and self.kind != "gr" else None
         found = []
         for x in here if values is None else here[np.argsort(values, kind="stable")]:
@@ -201,7 +202,7 @@ class Edge:
             return float(self.evaluated(np.array([[phase, 0.0, *self.row]]))[0, FOLD])
 
         return [
-            float(brentq(bent, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
+            float(scipy.optimize.brentq(bent, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
             for i in np.flatnonzero(slope[1:] * slope[:-1] < 0.0)
         ]
 
@@ -220,7 +221,7 @@ class Edge:
         if not 1 <= self.dip <= len(bottoms):
             return float("nan")
         i = int(bottoms[len(bottoms) - self.dip])
-        return float(brentq(velocity, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
+        return float(scipy.optimize.brentq(velocity, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
 
     def slopes(self, x: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the derivatives (equations, variables) of the equations at x, their errors, and the values there."""
@@ -259,7 +260,8 @@ class Edge:
         """Return what the equations need at variables (n, 2 + parameters), shape (n, COLUMNS)."""
         out = np.full((len(rows), COLUMNS), np.nan)
         run = _evaluator(self.family.kind, self.family.harmonics)
-        call(run, np.ascontiguousarray(rows), self.family.N, self.family.law, out, who="the closing equation")
+        given = np.ascontiguousarray(rows), self.row, self.family.N, self.family.law
+        call(run, *given, out, who="the closing equation")
         return out
 
 
@@ -267,10 +269,12 @@ class Edge:
 def _evaluator(kind: type, harmonics: int) -> Callable[..., None]:
     unpack, constants = unpacker(kind), constants_of(harmonics)
 
-    def run(rows: Any, N: int, law: int, out: Any) -> None:
+    def run(rows: Any, edge: Any, N: int, law: int, out: Any) -> None:
+        rate = constants(unpack(edge)).rate
         for i in range(len(rows)):
             c = constants(unpack(rows[i, 2:]))
-            g = closing(N, law, c)
+            at = closing(N, law, c)
+            g = Closing(at.L, rate, *at[2:])
             phi = rows[i, 0]
             out[i, 0], out[i, 1] = series(phi, g.g0, g.gc, g.gs, 1.0, 0.0)
             state = impact_state(phi, law, g, c)

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from math import frexp
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import numbered, pieces_of, sizes_of
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
@@ -24,39 +24,28 @@ from grazing.proof.certify import (
     with_impacts,
 )
 from grazing.proof.clearance import Cleared, check_impacts, cleared_flight, started
-from grazing.proof.equations import Equations, Flight
+from grazing.proof.curve import End, curve_image, enclosed_curve, end_of, units_of
+from grazing.proof.equations import Equations
 from grazing.proof.gap import GapProof
 from grazing.proof.gap_branch import nearest_edge
-from grazing.proof.krawczyk import columns, inverse, newton, remainder, replaced, residual_of, without
 from grazing.proof.reasons import NotProven, Stage
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
 from grazing.proof.search import Dip, Search, dips_of
 from grazing.proof.seen import alone
+from grazing.proof.table_value import prove_table_value
 from grazing.proof.text import about, enclosed, exact_text, short
 from grazing_checker.check import trusted_base
 from grazing_checker.envelope import seal
 from grazing_checker.sentence import EVENTS, signature, value_sentence
+from grazing_checker.table_value import table_value_sentence
 
 if TYPE_CHECKING:
     from flint import arb
 
     Point = list[arb]
 
-#: Half-width of the pinned coordinate, as a power of 1/2, tried before a very small one.
-WIDTH = 44
 #: Impacts slower than this part of the model's speeds touch the wall.
 TOUCH = 1e-9
-
-
-class End(NamedTuple):
-    """An orbit at one end of the curve: a box that holds it, trace and determinant there, and Krawczyk's test."""
-
-    centre: Point
-    radius: Point
-    flights: list[Flight]
-    trace: arb
-    det: arb
-    test: list[tuple[arb, arb]]
 
 
 def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
@@ -65,16 +54,15 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     Parameters
     ----------
     orbit : Orbit
-        An orbit near the bifurcation, of the oscillator, over one wall or between walls which may move, or of the gap
-        map; from it the search goes along its branch. It may be that of the special point of a branch. Of one at a
-        graze, an
-        impact without speed is taken for the touch.
+        An orbit near the bifurcation, of the oscillator, over one wall or between walls which may move, of a ball on a
+        table, or of the gap map; from it the search goes along its branch. It may be that of the special point of a
+        branch. Of one of the oscillator at a graze, an impact without speed is taken for the touch.
     kind : str
         ``"pd"``, ``"lp"``, ``"ns"`` or ``"gr"``: period doubling, fold, Neimark-Sacker, graze of a dip. For the gap map
         ``"pd"``, ``"lp"``, ``"gr"`` or ``"bcb"``, the border collision.
     name : str
         The parameter that varies, for the gap map mu; the others keep their values, taken as exact. One alone: not
-        ``r`` for the ``A.r`` and ``B.r`` of two walls.
+        ``r`` for the ``A.r`` and ``B.r`` of two walls or objects.
 
     Returns
     -------
@@ -86,15 +74,16 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     Raises
     ------
     InputError
-        For what is no orbit of the oscillator or the gap map, an unknown kind or parameter, or a name that stands for
-        several.
+        For what is no orbit of the oscillator, a table or the gap map, an unknown kind or parameter, or a name that
+        stands for several.
 
     Notes
     -----
     The test functions are 1 + tr + det (pd), 1 - tr + det (lp), det - 1 with complex multipliers (ns), the height of
-    the dip (gr). The curve is parametrised by ``name``, a fold by one of the other coordinates; along it Krawczyk's
-    test holds for all of the box at once, so that orbits depend continuously on it and the intermediate value
-    theorem gives the zero. That there is one zero only is not claimed.
+    the dip (gr); on a table the products of 1 + L, of 1 - L and of 1 - L L' over the multipliers L. The curve is
+    parametrised by ``name``, a fold by one of the other coordinates; along it Krawczyk's test holds for all of the box
+    at once, so that orbits depend continuously on it and the intermediate value theorem gives the zero. That there is
+    one zero only is not claimed.
 
     Examples
     --------
@@ -107,6 +96,8 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
     """
     if isinstance(orbit, Orbit) and orbit.map.origin.orbits is not None:
         return _gap_edge(orbit, kind, name)
+    if isinstance(orbit, BounceOrbit):
+        return enclose_bounces(orbit, kind, name)
     orbit = with_impacts(orbit)
     if not isinstance(kind, str) or kind not in EVENTS:
         raise InputError(f"kind is {shown(kind)}; allowed are {', '.join(EVENTS)}")
@@ -142,6 +133,18 @@ def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
     if proof is None:
         return GapProof(False, f"Nothing is proven: no {kind} of {orbit.word} is joined to this orbit in mu.", None)
     return proof
+
+
+def enclose_bounces(orbit: BounceOrbit, kind: str, name: str) -> Certificate:
+    """Return the certificate of a bifurcation of an orbit on a table."""
+    of, title = "bifurcation value on a table", f"{kind} of the periodic orbit {orbit.word} on a table"
+    try:
+        data, inequalities = prove_table_value(orbit, kind, name)
+    except NotProven as error:
+        return not_proven(title, error)
+    statement = table_value_sentence(data)
+    document = seal(of, statement, trusted_base(of), data, inequalities)
+    return Certificate(True, statement, "", document, f"{title}, {name} = {about(*data['claims']['value'])}")
 
 
 def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
@@ -211,9 +214,7 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
         "claims": {
             "value": enclosed(box[size], 24),
             "box": [enclosed(x) for x in box[:size]],
-            "ends": [
-                stability_of(jury(end.trace, end.det), described_model, balls(end.centre, end.radius)) for end in ends
-            ],
+            "ends": [stability_of(jury(*end.sums), described_model, balls(end.centre, end.radius)) for end in ends],
         },
     }
     image = curve_image(equations, centre, radius, C, rows, pinned)
@@ -231,110 +232,13 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     return data, inequalities
 
 
-def units_of(equations: Equations, x: Point) -> Point:
-    """Return sizes by which boxes are measured where a coordinate is near 0: an eighth of the natural ones, or less.
-
-    They are powers of two; the last one is the parameter's.
-    """
-    from flint import arb
-
-    assert equations.name is not None
-    sizes = [float(one) for one in equations.scales(x, equations.flights(x))]
-    return [arb(2) ** (frexp(size)[1] - 4) for size in (*sizes, equations.model.unit_of(equations.name))]
-
-
-def enclosed_curve(
-    equations: Equations, centre: Point, units: Point, pinned: int, bits: int
-) -> tuple[list[list[float]], Point, list[list[arb]]]:
-    """Return preconditioner, half-widths of a box and the derivative over it, for which Krawczyk's test holds.
-
-    For every value of the pinned coordinate in the box there is then exactly one orbit in it.
-    """
-    from flint import arb
-
-    thin = equations.jacobian(equations.flights(centre, True))
-    C = inverse([without(row, pinned) for row in thin])
-    for power in (WIDTH, bits // 4):
-        try:
-            return C, *_curve_of_width(equations, centre, units, C, pinned, arb(2) ** -power)
-        except Undecided:
-            if power != WIDTH:
-                raise
-    raise Undecided
-
-
-def _curve_of_width(
-    equations: Equations, centre: Point, units: Point, C: list[list[float]], pinned: int, share: arb
-) -> tuple[Point, list[list[arb]]]:
-    """Return half-widths and derivative of :func:`enclosed_curve` for one width of the pinned coordinate."""
-    from flint import arb
-
-    width = short(share * (units[pinned] + abs(centre[pinned])), 24)
-    radius = [width if i == pinned else arb(0) for i in range(len(centre))]
-    rows = equations.jacobian(equations.flights(balls(centre, radius), True))
-    moved, _u = curve_image(equations, centre, radius, C, rows, pinned)
-    floors = [
-        share / 8 * (unit + abs(x)) for x, unit in zip(*(without(a, pinned) for a in (centre, units)), strict=True)
-    ]
-    radius = replaced(radius, pinned, [short((2 * a + b).upper(), 24) for a, b in zip(moved, floors, strict=True)])
-    rows = equations.jacobian(equations.flights(balls(centre, radius), True))
-    image = curve_image(equations, centre, radius, C, rows, pinned)
-    if not all(a < b for a, b in zip(*image, strict=True)):
-        raise Undecided
-    return radius, rows
-
-
-def curve_image(
-    equations: Equations, centre: Point, radius: Point, C: list[list[float]], rows: list[list[arb]], pinned: int
-) -> tuple[Point, Point]:
-    """Return what Krawczyk's operator makes of the half-widths of the free coordinates, and these.
-
-    ``rows`` is the derivative over the box by all coordinates: the pinned one moves the free ones by C times its
-    column.
-    """
-    u = without(radius, pinned)
-    moved = residual_of(C, equations, centre, equations.flights(centre))
-    turned = columns(C, [row[pinned] for row in rows])
-    rest = remainder(C, [without(row, pinned) for row in rows], u)
-    image = [a + abs(b).abs_upper() * radius[pinned] + c for a, b, c in zip(moved, turned, rest, strict=True)]
-    return image, u
-
-
-def end_of(
-    equations: Equations, centre: Point, radius: Point, C: list[list[float]], rows: list[list[arb]], pinned: int,
-    sign: int, bits: int,
-) -> End:  # fmt: skip
-    """Return the orbit at one end of the curve, in a much smaller box inside the other."""
-    from flint import arb
-
-    guess = list(centre)
-    guess[pinned] = centre[pinned] + sign * radius[pinned]
-    x = [short(a, 3 * bits // 4) if i != pinned else a for i, a in enumerate(newton(equations, guess, pinned))]
-    u = without(radius, pinned)
-    residual = residual_of(C, equations, x, equations.flights(x))
-    factor = max([arb(2) ** -(bits // 4), *(4 * a / b for a, b in zip(residual, u, strict=True))], key=float)
-    r = [short(factor.upper() * b, 24) for b in u]
-    rest = remainder(C, [without(row, pinned) for row in rows], r)
-    image = [a + b for a, b in zip(residual, rest, strict=True)]
-    if not all(a < b for a, b in zip(image, r, strict=True)):
-        raise Undecided
-    free, middle = without(x, pinned), without(centre, pinned)
-    if not all(abs(a - b) + c < d for a, b, c, d in zip(free, middle, r, u, strict=True)):
-        raise Undecided
-    full = replaced([arb(0)] * len(x), pinned, r)
-    box = balls(x, full)
-    flights = equations.flights(box)
-    trace, det = equations.trace_and_det(flights, equations.flow(box))
-    return End(x, full, flights, trace, det, list(zip(image, r, strict=True)))
-
-
 def sign_rows(
     equations: Equations, kind: str, ends: list[End], cleared: list[Cleared], dip: Dip | None
 ) -> tuple[list[dict[str, str]], arb | None]:
     """Return the inequalities that show the change of sign, and for a graze the time at which heights are taken."""
     if kind != "gr":
         column = {"pd": "1 + trace + det", "lp": "1 - trace + det", "ns": "1 - det"}[kind]
-        values = [jury(end.trace, end.det)[column] for end in ends]
+        values = [jury(*end.sums)[column] for end in ends]
         return [_signed(f"{column} at end {i + 1}", x) for i, x in enumerate(_opposite(values))], None
     assert dip is not None
     found = cleared[dip.flight]

@@ -205,6 +205,15 @@ class Equations:
         assert J is not None
         return J[0] + J[3], det
 
+    def unit(self, _x: list[arb]) -> float:
+        """Return the natural scale of the parameter."""
+        assert self.name is not None
+        return self.model.unit_of(self.name)
+
+    def sums(self, x: list[arb], flights: list[Flight]) -> list[arb]:
+        """Return trace and determinant."""
+        return list(self.trace_and_det(flights, self.flow(x)))
+
     def ordered(self, x: list[arb]) -> bool:
         """Return whether the impacts of a point surely follow each other, and all parameters are allowed."""
         if self.name is not None and not _allowed(self.model, self.name, x[self.size]):

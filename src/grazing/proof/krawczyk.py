@@ -7,10 +7,10 @@ if |C F(c)| + R r < r for half-widths r <= u, it maps the box c +- r into itself
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 from grazing.oscillator.sure import Undecided
-from grazing.proof.equations import Equations, Flight, Matrix
+from grazing.proof.equations import Matrix
 from grazing.proof.flow import Blurred, TooLong
 
 if TYPE_CHECKING:
@@ -18,6 +18,34 @@ if TYPE_CHECKING:
 
 #: Most Newton steps.
 STEPS = 14
+
+
+class Closing(Protocol):
+    """Equations of orbits in balls, ``size`` of them; with a ``name`` that parameter is the last coordinate."""
+
+    name: str | None
+    size: int
+
+    def flights(self, x: list[arb], derivative: bool = False, /) -> Any:
+        """Return the flights of a small box, which the others ask for; ``derivative`` by the parameter, too."""
+
+    def jacobian(self, flights: Any) -> Matrix:
+        """Return the derivative of the residual by all coordinates."""
+
+    def residual(self, x: list[arb], flights: Any) -> list[arb]:
+        """Return the left-hand sides, 0 at an orbit."""
+
+    def ordered(self, x: list[arb]) -> bool:
+        """Return whether the impacts of a point surely follow each other, and all parameters are allowed."""
+
+    def scales(self, x: list[arb], flights: Any) -> list[arb]:
+        """Return the natural scale of each coordinate but the parameter."""
+
+    def unit(self, x: list[arb]) -> float:
+        """Return the natural scale of the parameter."""
+
+    def sums(self, x: list[arb], flights: Any) -> list[arb]:
+        """Return what decides the multipliers: their sums and products."""
 
 
 class NoConvergence(ArithmeticError):
@@ -45,7 +73,7 @@ def replaced(x: list[arb], pinned: int | None, free: list[arb]) -> list[arb]:
     return free if pinned is None else [*free[:pinned], x[pinned], *free[pinned:]]
 
 
-def newton(equations: Equations, x: list[arb], pinned: int | None = None) -> list[arb]:
+def newton(equations: Closing, x: list[arb], pinned: int | None = None) -> list[arb]:
     """Return the zero near x to working precision, as midpoints; the pinned coordinate stays.
 
     Raises
@@ -63,7 +91,7 @@ def newton(equations: Equations, x: list[arb], pinned: int | None = None) -> lis
         if not all(a.is_finite() for a in x) or not equations.ordered(x):
             break
         try:
-            flights = equations.flights(x, derivative=equations.name is not None and pinned != equations.size)
+            flights = equations.flights(x, equations.name is not None and pinned != equations.size)
         except TooLong:
             if count:
                 break
@@ -113,6 +141,6 @@ def contraction(C: list[list[float]], rows: Matrix, u: list[arb]) -> arb:
     )
 
 
-def residual_of(C: list[list[float]], equations: Equations, x: list[arb], flights: list[Flight]) -> list[arb]:
+def residual_of(C: list[list[float]], equations: Closing, x: list[arb], flights: Any) -> list[arb]:
     """Return |C F| at a point, upper bounds."""
     return [a.abs_upper() for a in columns(C, equations.residual(x, flights))]

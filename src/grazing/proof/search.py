@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -10,7 +11,7 @@ from numpy.typing import NDArray
 from grazing.proof.clearance import started
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.flow import Blurred, TooLong
-from grazing.proof.krawczyk import NoConvergence, newton
+from grazing.proof.krawczyk import Closing, NoConvergence, newton
 from grazing.proof.reasons import NotProven
 
 if TYPE_CHECKING:
@@ -41,16 +42,15 @@ class Dip(NamedTuple):
     speed: arb
 
 
-class Search:
+class Along(ABC):
     """Finds a zero of a test function along a curve of orbits, by numbers without proof.
 
     ``pinned`` is the coordinate that is varied: the parameter, or towards a fold the one that changes most.
     """
 
-    def __init__(self, equations: Equations, kind: str, start: Point) -> None:
+    def __init__(self, equations: Closing, kind: str, start: Point) -> None:
         self.equations, self.kind = equations, kind
         self.pinned = equations.size
-        self.dip: Dip | None = None
         if kind == "lp":  # the parameter turns round at a fold: there no orbit is alone at its value
             self.pinned = self._steepest(start)
         self.start = self.solved(start)
@@ -68,7 +68,7 @@ class Search:
 
     def _tangent(self, x: Point) -> Floats:
         """Return the direction of the curve at an orbit."""
-        rows = self.equations.jacobian(self.equations.flights(x, derivative=True))
+        rows = self.equations.jacobian(self.equations.flights(x, True))
         matrix = np.array([[float(a) for a in row] for row in rows])
         try:
             return np.asarray(np.linalg.svd(matrix)[2][-1])
@@ -79,25 +79,9 @@ class Search:
         """Return the coordinate that changes most along the curve."""
         return int(np.argmax(np.abs(self._tangent(x))))
 
+    @abstractmethod
     def test(self, x: Point) -> arb:
         """Return the test function at an orbit."""
-        flights = self.equations.flights(x)
-        flow = self.equations.flow(x)
-        if self.kind == "gr":
-            dips = [dip for i in range(len(flights)) for dip in dips_of(self.equations, flights, i, x)]
-            if not dips:
-                raise NotProven("the orbit has no dip between its impacts that could touch a wall")
-            was = self.dip
-            if was is None:
-                self.dip = min(dips, key=lambda dip: float(dip.height))
-            else:
-                here = [dip for dip in dips if (dip.flight, dip.wall) == (was.flight, was.wall)]
-                if not here:
-                    raise NotProven("the dip that was to touch a wall vanishes; give an orbit nearer to the graze")
-                self.dip = min(here, key=lambda dip: abs(float(dip.time - was.time)))
-            return self.dip.height
-        trace, det = self.equations.trace_and_det(flights, flow)
-        return {"pd": 1 + trace + det, "lp": 1 - trace + det, "ns": det - 1}[self.kind].mid()
 
     def zero(self) -> Point:
         """Return the orbit at which the test function is 0: roughly, then to working precision."""
@@ -115,7 +99,7 @@ class Search:
 
         x = self.solved(x)
         value, last = self.test(x), x
-        step = arb(stride * self._unit(x))
+        step = arb(stride * self.unit(x))
         for _ in range(SECANTS):
             new = self._advanced(last, step)
             old, value = value, self.test(new)
@@ -126,7 +110,7 @@ class Search:
             if self.kind == "lp":
                 self.pinned = self._steepest(last)
             c = self.pinned
-            moved, unit = (last[c] - before[c]).mid(), self._unit(last)
+            moved, unit = (last[c] - before[c]).mid(), self.unit(last)
             step = (-value * moved / rise).mid()
             if float(abs(step)) <= 2.0 ** -(2 * ctx.prec // 5) * unit:
                 return self._guess(last, self._tangent(last), step)
@@ -135,12 +119,9 @@ class Search:
                 step = arb(longest if step > 0 else -longest)
         return self._lost()
 
-    def _unit(self, x: Point) -> float:
-        """Return the size of the coordinate that is varied; of a time that is 0 by chance that of the motion."""
-        size = float(abs(x[self.pinned]))
-        if self.pinned < self.equations.n:
-            size = max(size, 1.0 / float(self.equations.flow(x).scale))
-        return size or 1.0
+    def unit(self, x: Point) -> float:
+        """Return the size of the coordinate that is varied."""
+        return float(abs(x[self.pinned])) or 1.0
 
     def _lost(self) -> Point:
         raise NotProven(
@@ -175,12 +156,49 @@ class Search:
 
     def _way(self, x: Point, guess: Point) -> float:
         """Return the length of a step: of the orbit, or of what is varied where the orbit hardly changes with it."""
-        return max(self._apart(x, guess), min(STRIDE, float(abs(guess[self.pinned] - x[self.pinned])) / self._unit(x)))
+        return max(self._apart(x, guess), min(STRIDE, float(abs(guess[self.pinned] - x[self.pinned])) / self.unit(x)))
 
     def _apart(self, one: Point, two: Point) -> float:
         """Return how far two orbits are from each other: the largest difference, in scales of the coordinates."""
         sizes = map(float, self.equations.scales(two, self.equations.flights(two)))
         return max(float(abs(a - b)) / size for a, b, size in zip(one, two, sizes, strict=False))
+
+
+class Search(Along):
+    """Finds a bifurcation of an orbit of the oscillator."""
+
+    equations: Equations
+
+    def __init__(self, equations: Equations, kind: str, start: Point) -> None:
+        self.dip: Dip | None = None
+        super().__init__(equations, kind, start)
+
+    def test(self, x: Point) -> arb:
+        """Return the test function at an orbit."""
+        flights = self.equations.flights(x)
+        flow = self.equations.flow(x)
+        if self.kind == "gr":
+            dips = [dip for i in range(len(flights)) for dip in dips_of(self.equations, flights, i, x)]
+            if not dips:
+                raise NotProven("the orbit has no dip between its impacts that could touch a wall")
+            was = self.dip
+            if was is None:
+                self.dip = min(dips, key=lambda dip: float(dip.height))
+            else:
+                here = [dip for dip in dips if (dip.flight, dip.wall) == (was.flight, was.wall)]
+                if not here:
+                    raise NotProven("the dip that was to touch a wall vanishes; give an orbit nearer to the graze")
+                self.dip = min(here, key=lambda dip: abs(float(dip.time - was.time)))
+            return self.dip.height
+        trace, det = self.equations.trace_and_det(flights, flow)
+        return {"pd": 1 + trace + det, "lp": 1 - trace + det, "ns": det - 1}[self.kind].mid()
+
+    def unit(self, x: Point) -> float:
+        """Return the size of the coordinate that is varied; of a time that is 0 by chance that of the motion."""
+        size = float(abs(x[self.pinned]))
+        if self.pinned < self.equations.n:
+            size = max(size, 1.0 / float(self.equations.flow(x).scale))
+        return size or 1.0
 
 
 def dips_of(equations: Equations, flights: list[Flight], i: int, x: Point) -> list[Dip]:
