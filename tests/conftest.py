@@ -19,6 +19,7 @@ gc.disable()
 
 def pytest_collection_finish():
     gc.freeze()
+    gc.set_threshold(20_000, 20, 20)  # a test's objects are few beside what it imports: seldom is often enough
     gc.enable()
 
 

@@ -76,7 +76,14 @@ def maps():
         yield f"strobe, {name}", gz.stroboscopic_map(model)
 
 
+def falls(state, p):
+    return state[3] < -0.5
+
+
 def systems():
+    left = gz.flipper("L", (1.5, 1.5), 1.5, 0.2, -0.5, 0.5, gz.newton(0.8), up=8.0, down=4.0)
+    for player in (gz.flips(1.0, {"L": 0.2}), gz.strategy(falls, {"L": ((1.5, 3.0), (3.0, 3.0))}, hold=0.2)):
+        yield f"table, {type(player).__name__}", gz.table([left], rho=0.1, tilt=0.3, player=player)
     yield "system", bouncing(height=0.7)
     yield "surface", bouncing().surfaces[0]
 
@@ -217,6 +224,7 @@ def test_a_function_that_no_other_process_could_find_travels_whole_or_says_why_n
         gz.reset(lambda v, p: -p.r * v, r=0.5),
         gz.reset(made(0.9), r=0.5),
         gz.Map(lambda state, p: (p.a * state[0],), {"a": 0.5}),
+        gz.strategy(lambda state, p: state[3] < 0.0, {"L": ((0.0, 0.0), (1.0, 0.0))}, hold=0.1),
     ]
     things.append(gz.Oscillator(0.1, 1.0, gz.Forcing(2.0), things[1]))
     pytest.importorskip("cloudpickle")
@@ -260,11 +268,13 @@ def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(t
     theirs = importlib.import_module("theirs")
     try:
         packed = pickle.dumps([gz.reset(theirs.law, r=0.8), gz.Map(logistic, {"a": 3.2})])
+        player = pickle.dumps(gz.strategy(theirs.law, {"L": ((0.0, 0.0), (1.0, 0.0))}, hold=0.1))
         exec(f"# moved\n\n{LAW}", vars(theirs))
         assert pickle.loads(packed)[0] == gz.reset(theirs.law, r=0.8)
         exec(LAW.replace(before, after), vars(theirs))
-        with pytest.raises(gz.InputError, match=r"theirs\.law is not the function that was pickled"):
-            pickle.loads(packed)
+        for one in (packed, player):
+            with pytest.raises(gz.InputError, match=r"theirs\.law is not the function that was pickled"):
+                pickle.loads(one)
         exec("law = float", vars(theirs))
         with pytest.raises(gz.InputError, match="is not the function that was pickled"):
             pickle.loads(packed)

@@ -19,7 +19,7 @@ LINK = re.compile(r"(!?)\[[^\]]*\]\(([^)\s]+)\)")
 
 
 #: Pages whose comments are what their lines print, with those that say what it is instead.
-PRINTED = {"si-units": ["c/m, k/m, -force/m, -gap"], "road": []}
+PRINTED = {"si-units": ["c/m, k/m, -force/m, -gap"], "road": [], "exercises": []}
 
 
 def read(page):

@@ -1,4 +1,5 @@
 import os
+import tracemalloc
 
 import numpy as np
 import pytest
@@ -157,6 +158,20 @@ def test_a_file_from_the_future(tmp_path):
     path.write_bytes(path.read_bytes().replace(b'"format": 1', b'"format": 9'))
     with pytest.raises(gz.InputError, match="has format 9, this version reads 1; update grazing"):
         load(path)
+
+
+def test_saving_and_loading_take_few_copies(tmp_path):
+    """What is refused beyond half of the memory is the result, and the copies that its file takes must fit as well."""
+    result = xr.Dataset({"x": ("n", np.linspace(0.0, 1.0, 10**6))})
+    save(result[{"n": [0]}], tmp_path / "small.nc")  # imports what it needs
+    load(tmp_path / "small.nc")
+    for action, copies in ((lambda: save(result, tmp_path / "a.nc"), 2), (lambda: load(tmp_path / "a.nc"), 3)):
+        tracemalloc.start()
+        try:
+            action()
+            assert tracemalloc.get_traced_memory()[1] < (copies + 0.4) * result.nbytes
+        finally:
+            tracemalloc.stop()
 
 
 @pytest.mark.parametrize("error", [MemoryError("no room"), ImportError("no memory for its code")])

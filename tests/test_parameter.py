@@ -1,13 +1,14 @@
 """One name for a number of several walls: r, where each has its own A.r and B.r."""
 
 import json
+import pickle
 
 import numpy as np
 import pytest
 
 import grazing as gz
 from grazing.config import checked, command_of, plan_of, recipe_of, result_of
-from grazing.parameter import named_by, spread, value_of
+from grazing.parameter import named_by, parameter_tuple, spread, value_of
 
 LAW = gz.newton(0.6)
 
@@ -16,6 +17,13 @@ def rattle(**more):
     walls = (gz.wall(-1.0, LAW), gz.wall(1.0, more.pop("upper", LAW)))
     force = gz.Forcing(omega=1, cos=(), sin=(0.9,))
     return gz.Oscillator(alpha=0.1, k=0, forcing=force, walls=walls).replace(**more)
+
+
+@pytest.mark.parametrize("names", [("r",), ("A.r", "B.r", "k"), ()])
+def test_parameters_come_back_from_a_file_as_the_same_type(names):
+    """A kernel from the disk has been compiled for a type that it brings along: another one of these names is none."""
+    kind = parameter_tuple(names)
+    assert pickle.loads(pickle.dumps(kind)) is kind
 
 
 def test_a_name_stands_for_what_walls_share_and_never_for_their_places():

@@ -212,3 +212,8 @@ def plain(value: Any) -> Any:
     if isinstance(value, tuple) and any(isinstance(item, Code) for item in value):
         return tuple(map(plain, value))
     return value.function if isinstance(value, Code) else value
+
+
+def made_of(kind: Any, items: tuple[Any, ...]) -> Any:
+    """Return an object of the parts that a pickle keeps, as :func:`packed` gave them."""
+    return kind(*(plain(item) for item in items))

@@ -259,13 +259,13 @@ def _fitting(data: NDArray[Any], where: str) -> NDArray[Any]:
     """Return numbers as a type that NetCDF 3 has and that holds every one of them."""
     kind = data.dtype.name
     if kind in _STORED:
-        return data.astype(_STORED[kind])
+        return data.astype(_STORED[kind], copy=False)
     if data.dtype.kind not in "iu":
         raise InputError(f"{where} is of type {kind}; a file holds numbers and text, and JSON for anything else")
     if not data.size or (data.min() >= -(2**31) and data.max() < 2**31):
-        return data.astype(np.int32)
+        return data.astype(np.int32, copy=False)
     if data.min() >= -(2**53) and data.max() <= 2**53:
-        return data.astype(np.float64)
+        return data.astype(np.float64, copy=False)
     raise InputError(f"{where} has whole numbers beyond 2^53, which the file cannot hold; save them as text")
 
 
@@ -322,10 +322,18 @@ def _as(values: NDArray[Any], kind: np.dtype[Any]) -> NDArray[Any]:
     texts = "OSU"
     if (values.dtype.kind in texts) == (kind.kind in texts):
         with np.errstate(all="ignore"):
-            found = values.astype(kind)
-        if np.array_equal(found, values, equal_nan=kind.kind in "fc" and values.dtype.kind in "fc"):
-            return found
+            found = values.astype(kind, copy=False)
+            if found is values or _same(found, values).all():
+                return found
     raise ValueError(f"its record names a type {kind.name}, which does not hold what stands there")
+
+
+def _same(found: NDArray[Any], values: NDArray[Any]) -> NDArray[np.bool_]:
+    """Return where two arrays have the same number or text, NaN or not."""
+    same: NDArray[np.bool_] = found == values
+    if found.dtype.kind in "fc" and values.dtype.kind in "fc":
+        same |= (found != found) & (values != values)
+    return same
 
 
 def _decoded(stored: xr.Dataset, record: dict[str, Any]) -> xr.Dataset:

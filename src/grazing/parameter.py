@@ -94,14 +94,15 @@ def parameter_tuple(names: tuple[str, ...]) -> type:
     """Return the named tuple type of these fields; the same type for the same names, as compiled code needs it."""
     fields = tuple(name.replace(".", "_") for name in names)  # A.r is A_r in code
     made: Any = namedtuple("Parameters", fields or ("none",))  # type: ignore[misc]  # no tuple of nothing in a kernel
-    made.__qualname__ = f"{PREFIX}{','.join(names)}"  # a name of its own, by which pickle finds it in any process
+    # a name of its own, by which pickle finds it in any process: behind a dot it would look in what stands before it
+    made.__qualname__ = f"{PREFIX}{','.join(names)}".replace(".", ":")
     return made
 
 
 def __getattr__(name: str) -> Any:
     """Return the type of named parameters that pickle asks for, see :func:`parameter_tuple`."""
     if name.startswith(PREFIX):
-        return parameter_tuple(tuple(name.removeprefix(PREFIX).split(",")) if name != PREFIX else ())
+        return parameter_tuple(tuple(name.removeprefix(PREFIX).replace(":", ".").split(",")) if name != PREFIX else ())
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
 
 
@@ -146,6 +147,12 @@ def in_order(values: Any) -> Any:
     return values
 
 
+def refuse_ends(low: float, high: float, said: str) -> None:
+    """Raise InputError for the ends of a range, which are ``said``, unless the first is the lower one."""
+    if not low < high:
+        raise InputError(f"{said}; {'both ends are the same' if low == high else 'the lower end must come first'}")
+
+
 def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
     """Return a box as pairs of floats, one per coordinate, or raise InputError."""
     wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
@@ -158,8 +165,7 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
     checked = []
     for (low, high), name in zip(pairs, coordinates, strict=True):
         ends = real(low, f"box of {name}", "finite ends"), real(high, f"box of {name}", "finite ends")
-        if not ends[0] < ends[1]:
-            raise InputError(f"box of {name} is ({low:g}, {high:g}); the lower end must come first")
+        refuse_ends(*ends, f"box of {name} is ({low:g}, {high:g})")
         checked.append(ends)
     return tuple(checked)
 

@@ -161,12 +161,14 @@ def test_version(capsys):
         (["paper", "--sise", "small"], ["--sise", "Did you mean --size"]),
         (["paper", "--no-json"], ["--no-json"]),
         (["paper", "--size", "tiny"], ["tiny", "small", "paper", "large"]),
-        (["paper", "--out"], ["--out", "requires an argument"]),
+        (["paper", "--out"], ["--out needs a value behind it"]),
         (["paper", "1.6"], ["Unexpected argument '1.6'", "grazing paper --help"]),
         (["paper", "--out="], ["--out is empty", "out/paper"]),
         (["paper", "--figures", ","], ["--figures is empty", "1.6"]),
         (["paper", "--figures"], ["--figures is empty", "1.6"]),
-        (["paper", "--json=perhaps"], ["perhaps"]),
+        (["diagram", "d=0:1:3", "-o", "--quiet"], ["-o needs a value behind it. 'grazing diagram"]),
+        (["paper", "--json=perhaps"], ["--json is 'perhaps': it takes no value"]),
+        (["sweep", "verify", "a.zarr", "--seed", "1e-4"], ["--seed is '1e-4': no whole number"]),
     ],
 )
 def test_wrong_usage_is_answered_with_what_to_do(report, capsys, tokens, said):

@@ -186,6 +186,7 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
     ("line", "said"),
     [
         ("diagram", "nothing varies; diagram varies 1 parameter of alpha"),
+        ("diagram d=0:1:5 --omega 1e-200", "error: omega = 1e-200; allowed is 1e-60 <= omega"),
         ("diagram d", "'d' is not NAME=START:STOP:COUNT or NAME=VALUE"),
         ("diagram d=0:1", "d = '0:1'; give start:stop:count"),
         ("diagram b=0:1:5", "b: unknown parameter; allowed are alpha"),

@@ -121,6 +121,8 @@ def test_studies_of_maps_take_a_table(capsys, folder):
         (["basins", "--table", "own.toml", "--map", "collision"], "worked by a recording"),
         (["table", "own.toml", "post.V"], "is not NAME=VALUE"),
         (["table", "own.toml", "post.W=1"], "unknown parameter; did you mean 'post."),
+        (["table", "galton", "v=0"], "pin0.x, pin0.y, pin0.radius"),
+        (["table", "galton", "v=0"], " and 578 more"),
         (["table", "own.toml", "post.V=much"], "is no number"),
         (["table", "clasic"], "tables that ship are classic"),
     ],

@@ -2,6 +2,7 @@
 
 import inspect
 import json
+from datetime import date, time
 
 import pytest
 
@@ -220,6 +221,14 @@ def test_all_errors_come_at_once_with_their_paths():
         ({**DIAGRAM, "parameters": 3}, "parameters = 3; give a table"),
         ({**DIAGRAM, "settings": 3}, "settings = 3; give a table"),
         ({**DIAGRAM, "vary": "d"}, "vary = 'd'; give a table"),
+        ({**DIAGRAM, "settings": [{"starts": 3}]}, "settings: a list of tables; give one, [settings] in place of [[se"),
+        ({**DIAGRAM, "parameters": {"d": date(1979, 5, 27)}}, "parameters.d = 'the date 1979-05-27' is not a real"),
+        ({**DIAGRAM, "vary": {"d": time(7, 32, 10)}}, "vary.d = 'the time 07:32:10': start = 'the time 07'"),
+        ({**DIAGRAM, "": 1}, "'': unknown key; allowed are"),
+        ({**DIAGRAM, "parameters": {" ": 1.0}}, "parameters.' ': unknown parameter"),
+        ({**DIAGRAM, "si": "m=0.8,c=2.4,k=3200,gap=1.2mm", "table": "classic"}, "si: the table brings all that is on"),
+        ({**DIAGRAM, "si": "m=0.8,c=2.4,k=3200,gap=1.2mm", "model": "own.py:m"}, "si: the model brings its own"),
+        ({"study": "orbit", "settings": {"word": 9}}, "settings.word = 9; give a text"),
         ({**DIAGRAM, "vary": {}}, "vary: nothing varies; diagram varies 1 parameter of alpha"),
         ({**DIAGRAM, "vary": {"d": [0.1], "V": [0.1]}}, "vary: 2 vary; diagram varies 1 parameter"),
         ({**DIAGRAM, "vary": {"r": "0.5:1.5:10"}}, "vary.r = 1.5; allowed is 0 <= r <= 1"),
@@ -282,3 +291,16 @@ def test_the_gap_map_has_its_own_coordinates_whatever_walls_are_named_beside_it(
 
 def test_a_mass_that_is_not_finite_is_told_what_a_mass_may_be():
     assert problems({**DIAGRAM, "mass": "inf"}) == ["mass = inf is not finite; allowed is mass > 0, finite"]
+
+
+@pytest.mark.parametrize(
+    ("config", "said"),
+    [
+        ({**DIAGRAM, "vary": "d"}, ["vary = 'd'; give a table"]),
+        ({"study": "trajectory", "vary": {"d": "0:1"}, "settings": {"state": [0.1, 0.0]}},
+         ["vary: d: a trajectory varies nothing; give single values"]),
+        ({**GAP, "si": "m=0.8,c=2.4,k=3200,gap=1.2mm"}, ["si: the map gap is dimensionless; leave it out"]),
+    ],
+)  # fmt: skip
+def test_what_follows_from_another_error_is_not_said(config, said):
+    assert problems(config) == said

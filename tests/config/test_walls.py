@@ -292,7 +292,10 @@ def test_a_base_and_a_load_between_stops_in_a_file():
         (["--si", "m=0.8,k=3200,frequency=14"], "c missing; give m, c and k, with units or in kg, N s/m and N/m"),
         (["--si", "m=0.8,c=2.4,k=3200,frequency=14", "A.gap=-1 mm"], "it is a distance, >= 0"),
         (["--si", "m=0.8,c=2.4,k=3200,frequency=14", "A.gap=1 s"], "units do not match"),
-        (["--si", "m=0.8,c=2.4,k=3200,frequency=14,A.gap=1 mm", "A.sigma=0.1"], "the table gives A.sigma, too"),
+        (
+            ["--si", "m=0.8,c=2.4,k=3200,frequency=14,A.gap=1 mm", "A.sigma=0.1"],
+            "A.sigma follows from what it gives; leave it out",
+        ),
         (
             ["--si", "m=0.8,c=2.4,k=3200,frequency=14"],
             "A.gap missing; give the distance to the stop, such as A.gap='1.2 mm'",

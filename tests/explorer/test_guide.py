@@ -1,5 +1,7 @@
 """The tour with its questions, whose answers are held against the library, and notes that a link carries."""
 
+import re
+from pathlib import Path
 from urllib.parse import quote
 
 import numpy as np
@@ -91,7 +93,7 @@ def test_the_exponent_that_is_told(tour):
 
 
 def test_hits_without_end_come_to_rest(tour):
-    assert right(tour, "Chatter") == "Infinitely many, in a finite time"
+    assert right(tour, "Chatter") == "Yes, after a finite time"
     step = next(each for each in tour if each["title"] == "Chatter")
     assert words(map_of(step)) == {"C"}
 
@@ -103,6 +105,24 @@ def test_a_single_step_next_to_the_graze_is_as_steep_as_one_likes(tour):
     x = np.array([1e-4, 1e-8, 1e-12])
     slopes = [(G((a * (1 + 1e-6),))[0] - G((a,))[0]) / (1e-6 * a) for a in x]
     assert np.allclose(np.ravel(slopes), -0.5 / np.sqrt(x), rtol=1e-3)
+
+
+def test_exercises_begin_where_they_say(browser, address, described):
+    text = (Path(__file__).parents[2] / "docs" / "exercises.md").read_text(encoding="utf-8")
+    links = re.findall(r"^#version=2&.*$", text, re.MULTILINE)
+    page = browser.new_page()
+    page.goto(f"{address}presets.js")
+    found = page.evaluate(
+        "async ([links, all]) => { const { fromFragment, toFragment } = await import('./state.js'); "
+        "const fields = Object.fromEntries(Object.values(all).flatMap(m => m.fields).map(f => [f.name, f])); "
+        "return links.map(link => { const { state, problems } = fromFragment(link, fields); "
+        "return [problems, toFragment(state).split('&').length]; }); }",
+        [links, described],
+    )
+    page.close()
+    assert len(links) == 6
+    for link, (problems, parts) in zip(links, found, strict=True):
+        assert problems == [] and parts >= len(link.split("&")) - 1, link
 
 
 # ---- the page

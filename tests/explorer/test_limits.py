@@ -227,13 +227,18 @@ def test_numbers_beyond_double_precision_and_on_the_way_to_them(shown, address):
 def test_what_cannot_be_shown_leaves_no_words_and_nothing_to_copy(shown, address):
     shown.open(f"{address}#version=2&view=edges&lam=0.5")
     assert shown.page.inner_text("#summary")
-    shown.page.evaluate("location.hash = 'version=2&view=edges&lam=1'")
+    shown.page.evaluate("""() => {
+      const pen = explorer.views.edges.axes.context;
+      globalThis.drawn = [];
+      pen.fillText = (text) => drawn.push(text);
+      pen.stroke = () => drawn.push("a line");
+      location.hash = "version=2&view=edges&lam=1";
+    }""")
     shown.until("() => explorer.state().lam === 1")
     assert "could not be made" in shown.problem() and shown.page.inner_text("#summary") == ""
-    pixels = (
-        "const c = document.getElementById('edges'); return c.getContext('2d').getImageData(0, 0, c.width, c.height)"
-    )
-    assert not shown.page.evaluate(f"() => {{ {pixels}.data.some(Boolean); }}")
+    drawn = " ".join(shown.page.evaluate("drawn"))
+    assert drawn.startswith("No picture: ") and "a line" not in drawn
+    assert shown.page.get_attribute("#edges", "data-stage") == "failed"
     for kind in ("python", "command"):
         shown.page.click(f"[data-copy={kind}]")
         shown.until("() => document.getElementById('said').textContent.startsWith('there is no picture to copy')")
@@ -271,6 +276,17 @@ def test_the_tour_keeps_the_focus_and_ends_with_its_view(shown, address):
 
 def test_the_tour_says_the_graze_that_is_shown(shown, address):
     shown.open(f"{address}#version=2&view=oscillator&columns=8&bins=8&reduced=no")
-    graze = shown.page.evaluate("() => explorer.views.oscillator.form.graze.toPrecision(10)")
-    told = shown.page.evaluate("async () => (await import('./tour.js')).TOUR[1].text")
-    assert f"d = k²a = {graze}" in told
+    graze = shown.page.evaluate("() => explorer.views.oscillator.form.graze")
+    step = shown.page.evaluate("async () => (await import('./tour.js')).TOUR[1]")
+    assert f"d = k²a ≈ {graze:.5g}," in step["text"]
+    (low, _high), begins = step["state"]["reach"], step["state"]["offset"]
+    assert graze < low < graze + 1e-4 and begins > low + 5e-3  # the slider has room to fall, to a hair before it
+
+
+def test_one_tick_alone_is_no_scale(shown, address):
+    shown.page.goto(address)
+    counts = shown.page.evaluate(
+        "async () => { const { ticks } = await import('./plot.js'); return [[-0.4, 0.4, 1.6], [0.065, 0.095, 1], "
+        "[0.05, 0.16, 2.2], [0.1309, 0.1311, 0]].map(each => ticks(...each).length); }"
+    )
+    assert min(counts) >= 2 and max(counts) <= 6

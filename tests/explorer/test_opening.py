@@ -103,6 +103,50 @@ def test_the_ball_lives_through_the_slider_and_its_word_changes(shown, address):
     assert "once in four pushes: 0001" in shown.page.inner_text("#lead")
 
 
+def test_a_high_flight_is_seen_until_it_has_left(shown, address):
+    """A ball that was kicked before the graze was passed may have flown higher than any that flies beyond it."""
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    shown.page.evaluate(f"() => {BALL}.play(false)")
+    tops = [
+        shown.page.evaluate(
+            f"(ago) => {{ const b = {BALL}; b.past.line = [{{ turn: b.turn - ago, u: 2 }}]; b.draw(); "
+            "return b.strip.axes.y1; }",
+            ago,
+        )
+        for ago in (3, 12)
+    ]
+    assert 2 <= tops[0] < 2.1 and tops[1] < 0.6
+
+
+def test_another_wall_begins_another_word(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    assert len(ball(shown, "past.line")) > 100
+    shown.page.click("text=a second wall, above the ball")
+    shown.until(f"() => explorer.state().two && {BALL}.past.line.length < 100")
+
+
+def test_what_is_found_later_is_in_the_portrait(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    top = shown.page.evaluate(
+        f"() => {{ const b = {BALL}; b.play(false); b.lived = true; b.axes.span(0, 0.1, 0, 0.1); "
+        "b.search.told.found(); return [b.axes.x1, Math.max(...b.attractor.u)]; }"
+    )
+    assert top[0] > top[1]
+
+
+def test_the_strip_names_what_is_hit(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    write = (
+        f"() => {{ const b = {BALL}, pen = b.strip.axes.context, fill = pen.fillText, said = []; "
+        "pen.fillText = (text) => said.push(text); b.draw(); pen.fillText = fill; return said; }"
+    )
+    assert {"bumper", "word"} <= set(shown.page.evaluate(write))
+    shown.page.evaluate("location.hash = 'version=2&view=ball&columns=20&V=0'")
+    shown.until("() => explorer.state().V === 0")
+    said = shown.page.evaluate(write)
+    assert "wall" in said and "bumper" not in said
+
+
 def test_hysteresis(shown, address):
     """At d = 0.1225 two orbits live: from below the ball stays on the one, from above on the other."""
     found = {}

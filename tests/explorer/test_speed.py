@@ -203,10 +203,11 @@ COUNTED = """async () => {
   const {machine, state} = explorer.views.oscillator;
   const {crossings} = await import("./walls.js"), {rowOf} = await import("./flow.js");
   const count = (k) => (k > 0 ? 1 + count(Math.floor(k / 3)) : 0);
-  return [[0.12, 0.4, 0], [0.2, 0.4, 0.2], [0.5, 0.4, 0.4], [0.15, 0, 0], [1.5, 0.2, 0]].map(([sigma_B, V, V_B]) => {
-    const each = {...state, two: true, sigma_B, V, V_B, alpha: 0.1, omega: 2.6};
+  return [[0.12, 0.4, 0], [0.2, 0.4, 0.2], [0.5, 0.4, 0.4], [0.15, 0, 0], [1.5, 0.2, 0],
+    [0.2, 0, 0, 0.5], [0.5, 0, 0, 0.5]].map(([sigma_B, V, V_B, cos_A = 0]) => {
+    const each = {...state, two: true, sigma_B, V, V_B, cos_A, alpha: 0.1, omega: 2.6};
     const {letters} = machine.call("orbits", {columns: 1, starts: 1, keep: 100, rows: rowOf(machine, each),
-      lanes: Float64Array.of(0.05, 0.1), transient: 50}, ["letters"]);
+      lanes: Float64Array.of(0.05 + cos_A, 0.1), transient: 50}, ["letters"]);
     return [letters.reduce((sum, k) => sum + count(k), 0) / 100, crossings(each)];
   });
 }"""

@@ -84,6 +84,34 @@ def test_before_a_room_nothing_is_smaller_than_24_pixels(browser, address, view)
     assert shown.errors == []
 
 
+def test_before_a_room_all_orbits_are_named_and_no_coordinates(browser, address):
+    context, shown = opened(browser, address, "oscillator", (1920, 1080))
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1225")
+    shown.until("() => document.getElementById('summary').innerText.includes('word')")
+    assert "(0.0" in shown.page.inner_text("#summary")
+    shown.page.keyboard.press("p")
+    said = shown.page.inner_text("#summary")
+    assert "word 0001" in said and "word 001;" in said and "(0." not in said
+    bottoms = shown.page.evaluate(
+        "() => [...document.querySelectorAll('#summary .chip')].map(e => e.getBoundingClientRect().bottom)"
+    )
+    assert len(bottoms) == 2 and max(bottoms) < shown.page.evaluate(
+        "() => document.querySelector('.below').getBoundingClientRect().bottom"
+    )
+    shown.page.click("#more")
+    assert shown.page.inner_text("#more") == "Fewer controls"
+    shown.page.click("[data-view=gap]")
+    shown.until("() => explorer.state().view === 'gap'")
+    shown.page.go_back()
+    shown.until("() => explorer.state().view === 'oscillator'")
+    shown.page.click("#more")
+    assert shown.page.inner_text("#more") == "All controls"
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1305&tour=3")
+    shown.until("() => explorer.state().tour === 3")
+    assert shown.page.is_hidden("#summary")  # the step says what is shown
+    context.close()
+
+
 def test_it_begins_and_ends_by_key_and_button(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=60")
     before = shown.pixels("strip")
@@ -94,6 +122,12 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     shown.page.keyboard.press("P")
     assert presenting(shown) and shown.pixels("strip") != before
     shown.page.keyboard.press("p")
+    assert not presenting(shown)
+    shown.page.keyboard.press("p")
+    shown.page.keyboard.press("ArrowUp")
+    shown.page.keyboard.press("Escape")  # lets go of the ball that is aimed
+    assert presenting(shown)
+    shown.page.keyboard.press("Escape")
     assert not presenting(shown)
     shown.page.focus("input[type=number][name=V]")
     shown.page.keyboard.press("p")  # a letter in a field is none of this
@@ -198,6 +232,16 @@ def test_all_sliders_of_the_opening_are_seen_without_scrolling(browser, address)
         assert len(bottoms) == 7 and max(bottoms) <= size[1]
 
 
+@pytest.mark.parametrize(("tour", "height"), [("", 450), ("&tour=2", 350)])
+def test_the_opening_needs_no_scrolling(browser, address, tour, height):
+    context, shown = opened(browser, address, "ball", (1920, 1080))
+    shown.page.goto(f"{address}#version=2&view=ball&columns=60{tour}")
+    shown.until("() => document.getElementById('summary').innerText.includes('starts')")
+    assert shown.page.evaluate("() => document.documentElement.scrollHeight") == 1080
+    assert shown.page.locator("#strip").bounding_box()["height"] > height
+    context.close()
+
+
 def test_a_slider_is_named_in_words_and_by_its_symbol(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=60")
     names = shown.page.evaluate(
@@ -258,6 +302,11 @@ def test_the_table_before_a_room(browser, address, size, least):
     assert shown.page.evaluate(around) == [size[1], size[0]]
     box = shown.page.locator("#table").bounding_box()
     assert box["height"] > 0.6 * size[1] and box["y"] + box["height"] <= size[1]
+    shown.page.click("#more")  # all that can be done is at hand, and nothing is cut
+    assert shown.page.is_visible("#rungs") and shown.page.is_visible("#fan") and shown.page.is_visible("[name=pace]")
+    assert shown.page.evaluate(SMALLEST)[0] >= least and shown.page.evaluate(around) == [size[1], size[0]]
+    shown.page.click("#more")
+    assert shown.page.is_hidden("#rungs") and shown.page.is_hidden("#fan")
     if least == 24:  # where a hand points is where the picture says
         shown.page.mouse.click(*(x + 0.6 * s for x, s in corner(shown.page.locator("#exits").bounding_box())))
         shown.until("() => pinball.exits().chosen")

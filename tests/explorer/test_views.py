@@ -635,3 +635,35 @@ def test_without_workers_the_page_computes_by_itself(browser, shown, address, wa
     assert page.errors == []
     shown.open(f"{address}#version=2&view=gap&columns=60&bins=50")
     np.testing.assert_array_equal(counts, shown.raster("gap")[1])
+
+
+def test_what_is_not_known_yet_has_the_colour_of_no_word(shown, address):
+    shown.open(f"{address}#version=2&view=oscillator&columns=40&bins=60&reduced=no")
+    colours = """(stage) => {
+      const d = explorer.views.oscillator.diagram, was = d.stage, codes = [...d.codes];
+      d.stage = stage;
+      d.codes.fill(0);
+      d.paint();
+      const { data } = d.image.getContext("2d").getImageData(0, 0, d.image.width, d.image.height), seen = new Set();
+      for (let i = 0; i < data.length; i += 4) if (data[i + 3] === 255) seen.add(data[i]);
+      d.codes.set(codes);
+      d.stage = was;
+      return [...seen];
+    }"""
+    (unknown,), (none,) = shown.page.evaluate(colours, "coarse"), shown.page.evaluate(colours, "done")
+    assert none == 0x1A and unknown > 0x80
+
+
+def test_subscripts_are_set_as_such(shown, address):
+    shown.open(f"{address}#version=2&view=oscillator&columns=8&bins=8&two=yes&vary=sigma_B&reach=0.15:0.3")
+    assert "σ<sub>B</sub> = 0.2" in shown.page.inner_html("#summary") and "_" not in shown.page.inner_text("#picture")
+    drawn = shown.page.evaluate("""() => {
+      const d = explorer.views.oscillator.diagram, pen = d.axes.context, fill = pen.fillText, said = [];
+      pen.fillText = (text, x, y) => said.push([text, y, pen.font]);
+      d.draw();
+      pen.fillText = fill;
+      return said;
+    }""")
+    at = [text for text, _y, _font in drawn].index("σ")
+    (_sigma, y, font), (below, lower, smaller) = drawn[at : at + 2]
+    assert below == "B" and lower > y and smaller != font

@@ -163,7 +163,7 @@ def test_a_wall_above_0_leaves_basins_and_ball(shown, address):
 
 def test_words_of_the_ball(shown, address):
     shown.open(f"{address}#version=2&view=ball&law=triggered&trigger=0.3")
-    assert "a bumper with V = 0.4, passive below the impact speed v_s = 0.3" in said(shown)
+    assert "a bumper with V = 0.4, passive below the impact speed vs = 0.3" in said(shown)
     shown.page.click("#step")
     shown.until("() => document.getElementById('summary').textContent.includes('the link and the copied')")
     assert "Stopped at (" in said(shown) and "Thrown" not in said(shown)

@@ -7,6 +7,7 @@ from types import FunctionType
 import numba
 import numpy as np
 import pytest
+from llvmlite import binding
 
 from grazing.kernel import compile as layer
 from grazing.kernel.compile import compiled
@@ -32,6 +33,24 @@ def test_no_machine_code_is_made_of_what_is_only_linked():
     engine = entry.library._codegen._engine
     assert engine.is_symbol_defined(entry.fndesc.llvm_func_name)
     assert not engine.is_symbol_defined(found.fndesc.llvm_func_name)
+
+
+@WIDE
+def test_a_module_that_the_linker_took_is_not_destroyed_again_after_an_interrupt(monkeypatch):
+    """Python raises it as the call ends, before llvmlite notes that the module is gone: the process ended."""
+
+    def interrupted(_target, _source):  # what was linked would be destroyed by now
+        raise KeyboardInterrupt
+
+    compiled(lambda x: x)
+    monkeypatch.setattr("grazing.kernel.linking._link", interrupted)
+    target, source = binding.parse_assembly(""), binding.parse_assembly("")
+    destroyed = []
+    monkeypatch.setattr(source, "_dispose", lambda: destroyed.append(source))
+    with pytest.raises(KeyboardInterrupt):
+        target.link_in(source)
+    source.close()
+    assert destroyed == []
 
 
 def test_whether_it_must_become_part_of_its_callers_is_not_taken_from_the_first_of_them():

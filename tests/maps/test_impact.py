@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.maps.returning import within_period
 from grazing.outcome import CHATTER, NO_IMPACT, STUCK
 from tests.models import MODELS
 
@@ -178,3 +179,12 @@ def test_the_phase_stays_below_the_period():
 
 def test_the_jacobian_is_undefined_for_a_kick_from_rest():
     assert np.isnan(gz.impact_map(gz.pinball(d=-1.5, V=0.3)).jacobian((0.0, 0.0))).all()
+
+
+@pytest.mark.parametrize("tau", [0.5, 1e-8, -0.3, 1e16])
+def test_a_start_after_more_periods_than_a_double_counts_is_at_some_phase(tau):
+    """In fast arithmetic it was many periods before the first one, and the flight from there took years."""
+    P = gz.impact_map(gz.pinball(omega=1e59))
+    lanes = np.array([[[tau], [1.0]]])
+    assert P.run_columns(P.packed()[1][None], lanes, 0, 1, arithmetic="fast").outcomes[0, 0, 0] & NO_IMPACT
+    assert within_period(tau, P.origin.model.period) == pytest.approx(0.0, abs=P.origin.model.period)

@@ -130,6 +130,32 @@ def test_the_only_orbit_of_a_word_is_virtual_where_a_disc_is_in_its_way():
     assert [one.word for one in every] == ["AB", "BC"] and every.searched.virtual == 1 and every.searched.complete
 
 
+def room(*corners):
+    """A room between elastic walls, and its map from wall to wall."""
+    ends = zip("abcd", corners, (*corners[1:], corners[0]), strict=False)
+    return gz.collision_map(gz.table([gz.segment(name, one, two, ELASTIC) for name, one, two in ends]))
+
+
+def test_orbits_that_have_others_beside_them_are_not_said_to_be_all():
+    """Parallels of a way over all walls of a rectangle have its word; in a triangle they close after two turns."""
+    square = gz.periodic_orbits(room((0, 0), (4, 0), (4, 3), (0, 3)), word="abcd")
+    assert len(square) == 1 and square[0].degenerate and not square.searched.complete
+    P = room((0, 0), (4, 0), (1.7, 3.3))
+    once, twice = (gz.periodic_orbits(P, period, word="abc", starts=20) for period in (3, 6))
+    assert len(once) == 1 and once.searched.complete and not twice.searched.complete
+    beside = P.orbit(once[0].points[0] + [0.05, 0.0, 0.0], 6).points
+    np.testing.assert_allclose(beside[6], beside[0], atol=1e-14)
+    assert abs(beside[3, 0] - beside[0, 0]) == pytest.approx(0.1)
+
+
+def test_parallel_faces_that_see_each_other_have_more_orbits_than_those_at_their_ends():
+    """Newton's method finds the two at the ends of the common stretch only; without that stretch they are none."""
+    for shift, complete in ((2.0, False), (3.5, True)):
+        faces = [gz.segment(name, (x, y), (x, y + 3), ELASTIC) for name, x, y in (("a", 0, 0), ("b", 3, shift))]
+        found = gz.periodic_orbits(gz.collision_map(gz.table(faces, rho=0.1)), 2, starts=20)
+        assert len(found) == 1 and found.searched.complete is complete
+
+
 def test_words_of_one_disc_without_any_orbit_are_named_and_nothing_is_claimed():
     """A disc beside a drain on a slope: a ball that comes back to its top needs a kick."""
     law = gz.active(0.5, 0.5)

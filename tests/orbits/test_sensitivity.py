@@ -7,7 +7,8 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from grazing.orbits.sensitivity import sensitivity
+from grazing.orbits.sensitivity import Edge, sensitivity
+from grazing.orbits.survey import families
 from grazing.orbits.windows import windows
 from tests.models import MODELS
 from tests.orbits.test_exact_edges import N as PERIODS
@@ -250,3 +251,9 @@ def test_bad_input():
         sensitivity(gz.pinball(), "D")
     with pytest.raises(gz.OutsideForm, match="affine"):
         sensitivity(MODELS["own law"], "omega", 1)
+
+
+def test_an_edge_at_which_there_is_no_orbit_has_no_derivatives():
+    model = gz.pinball(V=0.4, d=1000.0)  # the force never brings the ball back
+    (family,) = families(model, 1, "d")
+    assert Edge(family, "pd", 1000.0, 0).moved(1e-6) is None

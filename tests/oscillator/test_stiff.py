@@ -5,8 +5,9 @@ import pytest
 
 import grazing as gz
 from grazing.oscillator import contact, exact
+from grazing.oscillator.cells import MAX_CELLS, cells_in
 from grazing.oscillator.exact import exact_period
-from grazing.outcome import AMBIGUOUS
+from grazing.outcome import AMBIGUOUS, TOO_MANY_SWINGS
 from grazing.parameter import parameters
 
 
@@ -96,3 +97,12 @@ def test_balls_pass_over_what_stays_off_the_wall(monkeypatch):
     plain = exact_period(m, (0.0, 45.0))
     assert found[:4] == plain[:4]
     assert 0.0 < found.near <= plain.near
+
+
+def test_the_cells_of_a_spring_beyond_whole_numbers_are_too_many():
+    """Of two windows their sum went around, below 0: the table was written far behind its end."""
+    P = gz.stroboscopic_map(stiff(5e14, alpha=1e-6, sigma=0.0, omega=4e-4))
+    assert cells_in(P.origin.model.period, P.prepare(parameters(P.params))) == MAX_CELLS + 1
+    lanes = np.array([[[0.1], [0.0]]])
+    found = P.run_columns(P.packed()[1][None], lanes, 0, 1, algorithm="block")
+    assert found.outcomes[0, 0, 0] & TOO_MANY_SWINGS

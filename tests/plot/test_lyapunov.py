@@ -6,6 +6,7 @@ import pytest
 import grazing as gz
 from grazing import plot
 from grazing.outcome import InputError
+from grazing.plot import raster
 from tests.plot import results
 
 
@@ -80,6 +81,19 @@ def test_chaos_is_shaded_where_an_exponent_is_positive():
     bands = plot.lyapunov(result)["chaos"]
     assert [(band.get_x(), band.get_width()) for band in bands] == [pytest.approx((0.125, 0.5))]
     assert len(plot.lyapunov(result, positive=0.0)["chaos"]) == 2
+
+
+@pytest.mark.parametrize("values", [np.linspace(1.0, 2.0, 901), np.geomspace(1e-3, 1.0, 901)])
+def test_no_more_bands_are_drawn_than_a_page_has_dots(values, monkeypatch):
+    """One for each of 50,000 runs took a minute, and minutes in SVG."""
+    monkeypatch.setattr(raster, "DOTS", 30)
+    result = results.lyapunov(values, starts=1, count=1, infinite=False)
+    result["exponent"][:, 0, 0] = np.where(np.arange(901) % 2, 0.5, -0.5)
+    result["exponent"][300:600, 0, 0] = -0.5
+    bands = plot.lyapunov(result)["chaos"]
+    found = [(band.get_x(), band.get_x() + band.get_width()) for band in bands]
+    wanted = [(values[1], values[299]), (values[601], values[899])]
+    assert found == [pytest.approx(pair, rel=5e-3) for pair in wanted]
 
 
 def test_chaos_is_shaded_and_labelled_in_any_unit_of_time():

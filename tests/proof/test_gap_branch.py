@@ -44,3 +44,22 @@ def test_an_edge_that_is_not_proven_is_not_replaced_by_another_one(monkeypatch):
     assert nearest_edge(orbit, "pd") is failed
     monkeypatch.setattr(gap_branch, "certify_gap_edge", lambda *_args: (failed, *proofs))
     assert nearest_edge(orbit, "pd") is proofs[0]
+
+
+@pytest.mark.parametrize(
+    ("lam", "mu", "l", "word", "edge", "value"),
+    [
+        (0.7815436046067354, 0.04183235342815648, 0.0, "LR", "pd", 0.2571409440901),
+        (0.22039715277917754, 0.17230686987221108, 0.2807867235646755, "LR", "bc", 1.509337836092),
+    ],
+)
+def test_the_only_orbit_of_a_word_leads_to_its_edge_whatever_is_rounded(lam, mu, l, word, edge, value):
+    """The way began a rounding beside the orbit, which was then taken for another one, and led nowhere."""
+    (orbit,) = orbits(lam, mu, l, len(word), word)
+    assert nearest_edge(orbit, edge).value == pytest.approx((value, value), abs=1e-12)
+
+
+def test_an_orbit_is_not_given_the_graze_of_one_that_is_born_in_a_fold_on_the_way():
+    """It was the nearest there is on this side of the graze, where the one that grazes is not."""
+    (stable,) = orbits(0.7358296625890101, 0.8757644698689329, -0.6936133796667541, 3, "LRR")
+    assert stable.stable and nearest_edge(stable, "gr") is None

@@ -34,6 +34,14 @@ def test_a_certificate_is_held_against_every_value_of_a_model():
     another(made["stable"], rattle(), "its alpha is 3.0, here it is 0.1")
 
 
+def test_a_name_of_the_constant_force_and_the_sign_of_a_zero_are_no_difference():
+    """The same model was said to be another one, as its offset_name is d, here offset, or its sigma 0.0, here -0.0."""
+    made = documents()
+    force = gz.Forcing(omega=2.2, offset=0.12, cos=(1.0,))
+    same(made["stable"], gz.Oscillator(alpha=3.0, k=1.0, forcing=force, sigma=-0.0, reset=gz.active(0.8, 0.4)))
+    another(made["stable"], gz.Oscillator(3.0, 1.0, force, gz.active(0.8, 0.4), 1e-9), "its sigma is 0.0")
+
+
 def test_the_parameter_that_is_enclosed_may_have_any_value_and_no_other():
     made = documents()
     same(made["pd"], PINBALL.replace(V=0.1))

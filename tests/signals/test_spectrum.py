@@ -56,6 +56,7 @@ def test_what_is_wrong_is_said():
         ((recorded, "w"), "of = 'w'; allowed are u, the position, and v, the velocity"),
         ((recorded, "u", "wide"), "window = 'wide'"),
         ((recorded, "u", 1e5), r"window = 100000\.0 gives weights that are no numbers"),
+        ((recorded, "u", "gaussian"), r"window = 'gaussian'; give one of scipy"),
         ((recorded, "u", ()), r"window = \(\)"),
         ((recorded, "u", ("chebwin", 1e5)), "window = "),
     ):

@@ -1,6 +1,7 @@
 """Coexistence: shares against attractors, lifetimes against a plain twin, and what happens between neighbours."""
 
 import json
+import tracemalloc
 from itertools import pairwise
 
 import numpy as np
@@ -10,8 +11,8 @@ import xarray as xr
 import grazing as gz
 from grazing import theory
 from grazing.studies.attractors import attractors
-from grazing.studies.changes import _seen_at
-from grazing.studies.coexistence import ARRIVED, NEVER, coexistence, plan
+from grazing.studies.changes import _seen_at, changes
+from grazing.studies.coexistence import ARRIVED, NEVER, _reached, coexistence, plan
 from grazing.studies.orbit_diagram import orbit_diagram
 from grazing.studies.plan import empty_arrays, labelled
 from grazing.studies.starts import random_starts
@@ -292,3 +293,21 @@ def test_labels_types_and_files(tmp_path):
 def test_error_texts(arguments, more, said):
     with pytest.raises(gz.InputError, match=said):
         coexistence(*arguments, **more)
+
+
+def test_the_table_of_attractors_takes_little_beside_what_it_is_made_of(monkeypatch):
+    """A text for each start, and a map for each value, took ten times as much as the study foresees."""
+    words = np.array(["L" * 31 + "R", "LR"], object)[np.arange(50_000) % 2].reshape(500, 100)
+    period = np.array([32, 2], np.int32)[np.arange(50_000) % 2].reshape(500, 100)
+    found = xr.Dataset({"reached_period": (("mu", "start"), period), "reached_word": (("mu", "start"), words)})
+    tracemalloc.start()
+    try:
+        reached, periods, table = _reached(found)
+        assert tracemalloc.get_traced_memory()[1] < 2 * reached.nbytes + 50_000
+    finally:
+        tracemalloc.stop()
+    assert (periods.tolist(), table.tolist()) == ([32, 2], ["L" * 31 + "R", "LR"])
+    assert np.array_equal(periods[reached], period)
+    monkeypatch.setattr(gz.Map, "replace", None)  # nothing changes, so that no map is asked
+    values, last = np.linspace(0.0, 0.1, 500), np.zeros((500, 100, 1))
+    assert not changes(gz.gap_map(0.8, 0.1, 0.2), "mu", values, reached, periods, table, last, 10, 10)

@@ -106,7 +106,7 @@ def dangling_link(path):
     ("make", "said"),
     [
         (foreign_file, "is not a folder; a sweep is stored in a folder of its own"),
-        (foreign_folder, "is not empty and holds no sweep; choose another folder, it is left alone"),
+        (foreign_folder, "is not empty and holds no sweep; name another folder"),
         (foreign_zarr, "was written by something else: it holds no sweep"),
         (foreign_old_zarr, "is not empty and holds no sweep"),
         (foreign_json, "is damaged: zarr.json cannot be used"),

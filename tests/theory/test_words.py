@@ -254,3 +254,10 @@ def test_slopes_of_the_naive_map_agree():
     for orbit in theory.word_orbits("LLRLR", 0.9, 0.3, 0.0):
         if orbit.admissible:
             assert orbit.multiplier == pytest.approx(math.prod(slope(x, 0.9) for x in orbit.points))
+
+
+@pytest.mark.filterwarnings("error")
+def test_slopes_below_all_numbers_are_no_error():
+    """Their quotient was 0, of which there is no logarithm."""
+    for one in theory.word_orbits("LRR", 5e-324, 2.5, 0.8):
+        assert one.residual < 1e-12

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from grazing.billiard.objects import FLIPPER, Thing, drain, two_of
 from grazing.billiard.players import HOLD, Flips, Piece, Presses, pieces_of, refuse_others
-from grazing.copies import ByValue
+from grazing.copies import ByValue, made_of, packed
 from grazing.kernel.content import digest
 from grazing.outcome import InputError, UserCodeError, raised, shown
 from grazing.parameter import Parameter
@@ -66,7 +66,7 @@ class Strategy(ByValue):
         object.__setattr__(self, "drains", tuple(lines))
 
     def __reduce__(self) -> Any:
-        return Strategy, (self.flip, dict(self.gates), self.hold)
+        return made_of, (Strategy, tuple(packed(item) for item in (self.flip, self.gates, self.hold)))
 
     @property
     def params(self) -> dict[str, float]:

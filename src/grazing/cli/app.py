@@ -14,7 +14,17 @@ from contextlib import suppress
 from difflib import get_close_matches
 from typing import Any
 
-from cyclopts import App, CycloptsError, Group, Parameter, UnknownCommandError, UnknownOptionError, UnusedCliTokensError
+from cyclopts import (
+    App,
+    CoercionError,
+    CycloptsError,
+    Group,
+    MissingArgumentError,
+    Parameter,
+    UnknownCommandError,
+    UnknownOptionError,
+    UnusedCliTokensError,
+)
 
 from grazing import __version__
 from grazing.catalogue import studies
@@ -278,6 +288,11 @@ def _reworded(error: CycloptsError) -> str:
     if isinstance(error, UnusedCliTokensError):
         extra = " ".join(error.unused_tokens or ())
         return f"Unexpected argument {extra!r}: options begin with --, and an option's value follows its name."
+    if isinstance(error, MissingArgumentError) and error.keyword and type(error) is MissingArgumentError:
+        return f"{error.keyword} needs a value behind it."  # the parser takes other options for this one, misspelt
+    if isinstance(error, CoercionError) and error.token is not None and error.target_type in (bool, int):
+        value, kind = shown(error.token.value), "it takes no value" if error.target_type is bool else "no whole number"
+        return f"{error.token.keyword} is {value}: {kind}."
     if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
         known = [*studies(), *RESULTS, "paper"]
         token = (error.unused_tokens or [""])[0]

@@ -5,7 +5,9 @@ from __future__ import annotations
 import os
 import sys
 import webbrowser
+from contextlib import ExitStack
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Annotated
 
 from cyclopts import Parameter
@@ -26,6 +28,10 @@ def explore(
             help="Write the page to this folder, for any web server, or to one file FILE.html, and end.",
         ),
     ] = None,
+    model: Annotated[
+        str | None,
+        Parameter(help="file.py:name of a gz.Oscillator of your own, for example with a reset law.", metavar="NAME"),
+    ] = None,
 ) -> int:
     """Explore the pictures in a browser; everything is computed there, by the same kernels.
 
@@ -37,18 +43,16 @@ def explore(
         Open no browser.
     out
         Folder for a copy of the page, which a web server serves; a name that ends in .html, for all of it in one file.
+    model
+        What the page opens on. A reset law of one's own is compiled to WebAssembly where a linker is (lld or ziglang),
+        which takes a minute the first time; elsewhere the server computes.
     """
     from grazing.explorer import onefile
     from grazing.explorer.server import copy_to, serve
     from grazing.outcome import InputError
 
-    if out is not None:
-        if not str(out).strip():
-            raise InputError("--out names no folder; give one, for example --out page, or a file, --out page.html")
-        to = Path(out)
-        written = onefile.write_to(to) if to.suffix.lower() == ".html" else copy_to(to)
-        print(output.named([str(written)]))
-        return 0
+    if out is not None and not str(out).strip():
+        raise InputError("--out names no folder; give one, for example --out page, or a file, --out page.html")
 
     def opened(address: str) -> None:
         print(f"explorer at {address} (Ctrl-C ends it)")
@@ -56,7 +60,19 @@ def explore(
         if not no_open and not in_browser(address):
             print("no browser with windows was found; open the address in one", file=sys.stderr)
 
-    serve(port, opened)
+    with ExitStack() as stack:
+        kernels, calls = None, None
+        if model is not None:
+            from grazing.explorer.own import prepared
+
+            kernels = Path(stack.enter_context(TemporaryDirectory()))
+            calls = prepared(model, kernels, out is not None, lambda text: print(text, file=sys.stderr, flush=True))
+        if out is not None:
+            to = Path(out)
+            whole = to.suffix.lower() == ".html"
+            print(output.named([str(onefile.write_to(to, kernels) if whole else copy_to(to, kernels))]))
+        else:
+            serve(port, opened, kernels, calls)
     return 0
 
 

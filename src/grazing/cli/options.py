@@ -49,6 +49,8 @@ METAVARS = {
     "walls": "NAME=LAW,...", "curves": "LIST|FILE", "si": "NAME=VALUE,...", "mass": "NUMBER", "base": "NAME=VALUE,...",
     "units": "LIST",
 }  # fmt: skip
+#: Tables of a file, which the command line has no option for.
+TABLES = (("parameters",), ("vary",), ("settings",))
 #: Options that may be repeated.
 SEVERAL = ("curves",)
 #: Keys that a study of the oscillator itself has.
@@ -176,6 +178,8 @@ class Given:
             return ""
         if self.file and path not in self.here:
             return f"{self.file}: {'.'.join(path)}"
+        if path in TABLES:
+            return ""
         if path[:1] == ("vary",) or path in self.words:
             return ".".join(path[1:])
         return flag(path[-1])

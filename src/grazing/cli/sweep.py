@@ -110,7 +110,8 @@ def run(
     share, pieces = _shard(shard), _chunk(chunk)
     study = read_toml(config).get("study")
     if not isinstance(study, str) or study not in studies():
-        raise InputError(f"{config}: study = {shown(study)}; allowed are {', '.join(studies())}")
+        said = "study is missing; give one of" if study is None else f"study = {shown(study)}; allowed are"
+        raise InputError(f"{config}: {said} {', '.join(studies())}")
     plan = plan_of(asked_from(study, given, {"map": map, "model": model}, config).recipe)
     if dry_run:
         found = sweep.estimate(plan, pieces, threads=threads)

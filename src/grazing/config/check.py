@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from datetime import date, time
 from functools import partial
 from typing import Any
 
@@ -92,13 +93,31 @@ def checked(
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
     if raw.get("si") is not None:
-        raw, before = from_table(raw)
+        if said := _without_rig(raw):
+            before = [Problem(("si",), said)]
+            del raw["si"]
+        else:
+            raw, before = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
         problems += list(_across(config, raw, problems))
     if before or problems or config is None:
         raise refusal([*before, *problems], source, label)
     return config
+
+
+def _without_rig(raw: Recipe) -> str:
+    """Say why a configuration has no mass, spring and stop to be given in SI units; nothing where it has."""
+    kind = raw.get("map")
+    if raw.get("table") is not None:
+        return "the table brings all that is on it; leave it out"
+    if raw.get("model") is not None:
+        return "the model brings its own numbers; leave it out"
+    if kind == "gap":
+        return "the map gap is dimensionless; leave it out"
+    if isinstance(kind, str) and is_own(kind):
+        return f"the map {kind} brings its own numbers; leave it out"
+    return ""
 
 
 def plain_of(value: Any, source: str = "", depth: int = 0) -> Any:
@@ -109,6 +128,8 @@ def plain_of(value: Any, source: str = "", depth: int = 0) -> Any:
         return {str(key): plain_of(item, source, depth + 1) for key, item in value.items()}
     if isinstance(value, (list, tuple)):
         return [plain_of(item, source, depth + 1) for item in value]
+    if isinstance(value, (date, time)):  # TOML has them, no key takes one; 07:32:10 is not to pass for a range
+        return f"the {'time' if isinstance(value, time) else 'date'} {value.isoformat()}"
     return value
 
 
@@ -205,7 +226,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     broken_ranges = []
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
-    yield from _names(config, ranges, names, coordinates)
+    yield from _names(config, ranges, names, coordinates, ("vary",) in broken)
     yield from shared(config["parameters"], known)
     varied = {one for name in config["vary"] for one in (named_by(name, known) or [name])}
     yield from parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
@@ -321,6 +342,8 @@ def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]
     study = studies().get(config.get("study", ""))
     bounded = study is not None and study.form == "bounds"
     for name, written in config["vary"].items():
+        if study is not None and not study.most:  # that it varies at all is what is wrong
+            continue
         try:
             found = bounds_of(written, name) if bounded else range_of(written, name)
             if found == DEFAULT and not (study is not None and study.has("span")):
@@ -330,7 +353,7 @@ def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]
             problems.append(Problem(("vary", name), str(error)))
 
 
-def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[str]) -> Iterator[Problem]:
+def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[str], broken: bool) -> Iterator[Problem]:
     """Yield what varies and cannot, how many should, and values that are out of range."""
     study = studies().get(config.get("study", ""))
     allowed = coordinates if study is not None and study.varies == COORDINATE else names
@@ -352,7 +375,7 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
                 except InputError as error:
                     yield Problem(("vary", name), str(error))
                     break
-    if study is not None and not study.least <= len(config["vary"]) <= study.most:
+    if study is not None and not broken and not study.least <= len(config["vary"]) <= study.most:
         yield Problem(("vary",), _how_many(config, study, allowed))
 
 

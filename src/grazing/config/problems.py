@@ -10,7 +10,7 @@ from typing import Any
 
 from pydantic import BaseModel, ValidationError
 
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, listed, shown
 from grazing.parameter import called_here
 
 Path = tuple[str, ...]
@@ -22,6 +22,8 @@ VARIED = ("frequency", "gap", "force", "load")
 BY_SI = "it has its own name where the rig is given by --si, in a file by [si]; "
 #: Problems that a message lists; the rest is counted.
 MOST = 20
+#: Names of which a message lists all.
+NAMES = 40
 #: Letters of a line.
 LONGEST = 600
 
@@ -35,7 +37,7 @@ class Problem:
 
     def line(self, label: Label) -> str:
         """Return it in one line."""
-        where = label(tuple(part if part.isprintable() else shown(part) for part in self.path))
+        where = label(tuple(part if part.isprintable() and part.strip() else shown(part) for part in self.path))
         message = self.message if isinstance(self.message, str) else self.message()
         message = " ".join(message.split())
         if self.path and message.startswith(f"{self.path[-1]} = "):
@@ -81,7 +83,7 @@ def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> s
     hint = f"did you mean {shown(near[0])}? " if near else ""
     if said := called_here(name, known):
         hint = f"here that is {said}; {BY_SI if name in VARIED else ''}"
-    return f"{what}; {hint}allowed are {', '.join(known)}" if known else f"{what}; none is allowed here"
+    return f"{what}; {hint}allowed are {listed(known, NAMES)}" if known else f"{what}; none is allowed here"
 
 
 def found_by(error: ValidationError, schema: type[BaseModel]) -> list[Problem]:
@@ -103,6 +105,8 @@ def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
     if kind == "literal_error":
         return Problem(path, f"{path[-1]} = {shown(got)}; allowed are {item['ctx']['expected'].replace(' or ', ', ')}")
     if kind in ("model_type", "dict_type"):
+        if isinstance(got, list) and got and all(isinstance(one, dict) for one in got):
+            return Problem(path, f"a list of tables; give one, [{path[-1]}] in place of [[{path[-1]}]]")
         return Problem(path, f"{path[-1]} = {shown(got)}; give a table")
     if kind == "string_type":
         return Problem(path, f"{path[-1]} = {shown(got)}; give a text")

@@ -45,7 +45,7 @@ def _choice(choices: tuple[str, ...], says: str) -> Callable[[str, Any], Any]:
 def _text(says: str) -> Callable[[str, Any], Any]:
     def check(value: Any, name: str) -> str:
         if not isinstance(value, str) or not value:
-            raise InputError(f"{name} = {shown(value)}; give a name")
+            raise InputError(f"{name} = {shown(value)}; give a text")
         return value
 
     return _setting(check, {"type": "string"}, says)

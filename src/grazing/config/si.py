@@ -123,7 +123,8 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     given = found.get("parameters", {})
     both = sorted({*parameters, "mass", "base", "stop"} & {*given, *found}) if isinstance(given, Mapping) else []
     if both:
-        faults.append(f"the table gives {', '.join(both)}, too; give it there alone")
+        follow = "follows from what it gives; leave it out" if len(both) == 1 else "follow from it; leave them out"
+        faults.append(f"{', '.join(both)} {follow}")
     problems = [Problem(("si",), fault) for fault in faults] + beside
     if isinstance(given, Mapping):
         found["parameters"] = {**_measured(given, made.mass, problems), **parameters}

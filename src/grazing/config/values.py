@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from grazing.memory import refuse_too_large
 from grazing.outcome import InputError, shown
-from grazing.parameter import LARGEST, real, whole
+from grazing.parameter import LARGEST, real, refuse_ends, whole
 
 #: More values along one axis than any grid has; a typing error, not a wish.
 MOST = 10**8
@@ -115,8 +115,7 @@ def pair(value: Any, name: str) -> list[float]:
     if not isinstance(items, (list, tuple)) or len(items) != 2:
         raise InputError(f"{name} = {shown(value)}; give low:high, or [low, high] in a file")
     low, high = (number(item, name) for item in items)
-    if not low < high:
-        raise InputError(f"{name} = {low:g}:{high:g}; the lower end must come first")
+    refuse_ends(low, high, f"{name} = {low:g}:{high:g}")
     return [low, high]
 
 

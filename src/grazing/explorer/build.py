@@ -20,6 +20,7 @@ from pathlib import Path
 from typing import Any
 
 from grazing.explorer import webassembly
+from grazing.explorer.composed import Module
 from grazing.explorer.gap import gap_module
 from grazing.explorer.oscillator import oscillator_module
 from grazing.explorer.sources import file_digest, source_digest
@@ -55,7 +56,7 @@ def described_parameter(parameter: Parameter) -> dict[str, Any]:
 
 
 def described_entry(entry: Entry) -> dict[str, Any]:
-    """Return what a page needs to call a function, and the hash of its source."""
+    """Return what a page needs to call a function."""
     return {
         "name": entry.name,
         "meaning": entry.meaning,
@@ -65,7 +66,19 @@ def described_entry(entry: Entry) -> dict[str, Any]:
             for a in (() if entry.addressed else entry.arguments)
         ],
         "result": "int64" if entry.addressed else entry.result,
-        "source": source_digest(entry.kernel),
+    }
+
+
+def described_module(name: str, made: Module) -> dict[str, Any]:
+    """Return what a page needs to know of a module."""
+    return {
+        "file": f"{name}.wasm",
+        "coordinates": list(made.coordinates),
+        "letters": made.letters,
+        "fields": [
+            described_parameter(field) if isinstance(field, Parameter) else dict(field) for field in made.fields
+        ],
+        "functions": [described_entry(entry) for entry in made.entries],
     }
 
 
@@ -74,15 +87,9 @@ def description() -> dict[str, Any]:
     modules = {}
     for name, module in MODULES.items():
         made = module()
-        modules[name] = {
-            "file": f"{name}.wasm",
-            "coordinates": list(made.coordinates),
-            "letters": made.letters,
-            "fields": [
-                described_parameter(field) if isinstance(field, Parameter) else dict(field) for field in made.fields
-            ],
-            "functions": [described_entry(entry) for entry in made.entries],
-        }
+        modules[name] = described_module(name, made)
+        for entry, said in zip(made.entries, modules[name]["functions"], strict=True):
+            said["source"] = source_digest(entry.kernel)
     return {
         "about": "written by python -m grazing.explorer.build; how to call a function is said in grazing/explorer",
         "outcomes": {str(flag.name): flag.value for flag in Outcome if flag},

@@ -79,8 +79,13 @@ def _digest(text: str) -> str:
     return f"'sha256-{b64encode(hashlib.sha256(text.encode()).digest()).decode()}'"
 
 
-def page() -> str:
+def page(kernels: Path | None = None) -> str:
     """Return the whole explorer as the text of one page.
+
+    Parameters
+    ----------
+    kernels : Path, optional
+        See :func:`grazing.explorer.server.files`.
 
     Examples
     --------
@@ -92,7 +97,7 @@ def page() -> str:
     style, script = _text("style.css"), bundle("main.js")
     inside = {
         name.lstrip("/"): b64encode(path.read_bytes()).decode()
-        for name, path in files().items()
+        for name, path in files(kernels).items()
         if name.startswith("/kernels/") and "table" not in name  # the pinball table is a page of its own
     }
     inside["page/worker.js"] = b64encode(bundle("worker.js").encode()).decode()
@@ -115,7 +120,7 @@ def page() -> str:
     return text
 
 
-def write_to(file: str | Path) -> Path:
+def write_to(file: str | Path, kernels: Path | None = None) -> Path:
     """Write the explorer to one file; return it.
 
     Raises
@@ -131,5 +136,5 @@ def write_to(file: str | Path) -> Path:
             f"cannot write to {file}: {error.strerror or error}; choose a folder that can be made"
         ) from None
     with whole_file(target) as new:
-        new.write_text(page(), encoding="utf-8", newline="\n")
+        new.write_text(page(kernels), encoding="utf-8", newline="\n")
     return target

@@ -1,6 +1,8 @@
 """A server for the explorer's files, on this machine only: the page computes everything itself.
 
-It knows the folders ``page`` and ``kernels`` and nothing else, so there is nothing to list and no way out of them.
+It knows the folders ``page`` and ``kernels`` and nothing else, so there is nothing to list and no way out of them. For
+a reset law that could not be compiled for the browser it computes what the page calls, see
+:mod:`grazing.explorer.calls`.
 """
 
 from __future__ import annotations
@@ -10,18 +12,19 @@ import re
 import shutil
 import stat
 import sys
-from collections.abc import Callable
-from contextlib import suppress
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from socket import SHUT_RDWR
-from threading import Lock, Thread
+from threading import BoundedSemaphore, Lock, Thread
 from time import monotonic
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
-from grazing.outcome import InputError
+from grazing.explorer.calls import CALLS, LARGEST_CALL
+from grazing.outcome import GrazingError, InputError
 from grazing.paths import path_of
 from grazing.writing import whole_file
 
@@ -42,12 +45,21 @@ TYPES = {
 }
 
 
+#: The type of calls and of their answers.
+BYTES = "application/octet-stream"
+#: What answers calls.
+Answers = Callable[[bytes], bytes]
 #: The folders that are served, and the file that each of them cannot do without.
 PARTS = {"page": "index.html", "kernels": "kernels.json"}
 
 
-def files() -> dict[str, Path]:
+def files(kernels: Path | None = None) -> dict[str, Path]:
     """Return what is served: the path of each file in an address, and the file.
+
+    Parameters
+    ----------
+    kernels : Path, optional
+        Folder with files that stand in for those of the same name in ``kernels``.
 
     Raises
     ------
@@ -63,11 +75,12 @@ def files() -> dict[str, Path]:
         for path in sorted((FOLDER / part).iterdir())
         if path.suffix in TYPES
     }
-    return found | {"/page/": found["/page/index.html"]}
+    own = {} if kernels is None else {f"/kernels/{path.name}": path for path in sorted(kernels.iterdir())}
+    return found | own | {"/page/": found["/page/index.html"]}
 
 
 class Handler(BaseHTTPRequestHandler):
-    """Answer GET and HEAD for the files of the explorer."""
+    """Answer GET and HEAD for the files of the explorer, and POST for what the server computes."""
 
     server_version, sys_version = "grazing", ""
     protocol_version = "HTTP/1.1"
@@ -85,6 +98,40 @@ class Handler(BaseHTTPRequestHandler):
     def do_HEAD(self) -> None:
         """Send what would be said of a file."""
         self.answer(body=False)
+
+    def do_POST(self) -> None:
+        """Answer a call of a kernel, of a page of this server and of no other."""
+        calls, size = self.server.calls, self.headers.get("Content-Length", "")
+        refused = None
+        if calls is None:
+            refused = HTTPStatus.NOT_IMPLEMENTED
+        elif not self.known() or self.headers.get("Origin", self.origin) != self.origin:
+            refused = HTTPStatus.FORBIDDEN
+        elif self.path != CALLS:
+            refused = HTTPStatus.NOT_FOUND
+        elif self.headers.get("Content-Type") != BYTES:  # a form of a page elsewhere has another one
+            refused = HTTPStatus.UNSUPPORTED_MEDIA_TYPE
+        elif not re.fullmatch("[0-9]{1,12}", size):
+            refused = HTTPStatus.LENGTH_REQUIRED
+        elif int(size) > LARGEST_CALL:
+            refused = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+        if refused is not None or calls is None:
+            self.close_connection = True  # what follows is no request
+            self.send_error(refused or HTTPStatus.NOT_IMPLEMENTED)
+            return
+        body = self.rfile.read(int(size))
+        status, kind = HTTPStatus.OK, BYTES
+        try:
+            with self.server.computing(self.connection):
+                found = calls(body)
+        except (GrazingError, MemoryError) as error:
+            status, kind, found = HTTPStatus.BAD_REQUEST, "text/plain; charset=utf-8", str(error).encode()
+        self.send_response(status)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(found)))
+        self.send_header("X-Content-Type-Options", "nosniff")
+        self.end_headers()
+        self.wfile.write(found)
 
     def answer(self, body: bool) -> None:
         """Send a file, the way to the page, or 404."""
@@ -126,6 +173,11 @@ class Handler(BaseHTTPRequestHandler):
         name = self.headers.get("Host", HOST).rpartition(":")[0] or self.headers.get("Host", HOST)
         return name in (HOST, "localhost")
 
+    @property
+    def origin(self) -> str:
+        """What a browser says of who asks, if that is the page of this server."""
+        return f"http://{self.headers.get('Host', HOST)}"
+
     def log_message(self, format: str, *args: object) -> None:
         """Say nothing: a terminal shows the address and no more."""
 
@@ -138,11 +190,12 @@ class Server(ThreadingHTTPServer):
     allow_reuse_address = os.name != "nt"
     request_queue_size = MOST
 
-    def __init__(self, port: int = 0) -> None:
-        self.files = files()
+    def __init__(self, port: int = 0, kernels: Path | None = None, calls: Answers | None = None) -> None:
+        self.files, self.calls = files(kernels), calls
         #: When each connection began with its request, the oldest first.
         self._since: dict[Any, float] = {}
         self._one = Lock()
+        self._free = BoundedSemaphore(os.cpu_count() or 1)
         super().__init__((HOST, port), Handler)
 
     def begun(self, connection: Any) -> None:
@@ -152,6 +205,15 @@ class Server(ThreadingHTTPServer):
             self._since[connection] = monotonic()
             for oldest in [*self._since][:-MOST]:
                 self._close(oldest)
+
+    @contextmanager
+    def computing(self, connection: Any) -> Iterator[None]:
+        """Have a processor for an answer: the time that it takes is not that of whoever asked."""
+        with self._one:
+            self._since.pop(connection, None)
+        with self._free:
+            yield
+        self.begun(connection)
 
     def service_actions(self) -> None:
         """Close connections that take too long, however often they say a letter or read one."""
@@ -186,13 +248,17 @@ class Server(ThreadingHTTPServer):
         return f"http://{HOST}:{self.server_address[1]}/page/"
 
 
-def server(port: int = 0) -> Server:
+def server(port: int = 0, kernels: Path | None = None, calls: Answers | None = None) -> Server:
     """Return a server that listens; ``serve_forever`` answers.
 
     Parameters
     ----------
     port : int
         0 for any free one.
+    kernels : Path, optional
+        See :func:`files`.
+    calls : callable, optional
+        Computes for the page, see :class:`grazing.explorer.calls.Calls`.
 
     Raises
     ------
@@ -209,16 +275,19 @@ def server(port: int = 0) -> Server:
     if not 0 <= port <= 65535:
         raise InputError(f"port = {port}; allowed is a whole number from 0 to 65535, 0 for any free one")
     try:
-        return Server(port)
+        return Server(port, kernels, calls)
     except OSError as error:
         raise InputError(
             f"port {port} cannot be used ({error.strerror}); choose another one, or none for any free one"
         ) from None
 
 
-def serve(port: int, opened: Callable[[str], None]) -> None:
+def serve(port: int, opened: Callable[[str], None], kernels: Path | None = None, calls: Answers | None = None) -> None:
     """Serve until interrupted; ``opened`` is told the address once it is answered."""
-    with suppress(KeyboardInterrupt), server(port) as ours:  # closed while the interrupt is on its way, not lost
+    with (
+        suppress(KeyboardInterrupt),
+        server(port, kernels, calls) as ours,
+    ):  # closed while the interrupt is on its way, not lost
         thread = Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.2}, daemon=True)
         thread.start()
         try:
@@ -246,7 +315,7 @@ def rooted() -> str:
     return re.sub(r'(href|src)="(?=[\w.]+\.(?:css|js|html)")', r'\1="page/', text)
 
 
-def copy_to(folder: str | Path) -> Path:
+def copy_to(folder: str | Path, kernels: Path | None = None) -> Path:
     """Copy the page and its kernels to a folder, for any web server; return the page, at its root.
 
     A copy that is there already is renewed; other files in the folder stay.
@@ -256,7 +325,7 @@ def copy_to(folder: str | Path) -> Path:
     InputError
         If the folder cannot be written to, or holds an ``index.html``, ``page`` or ``kernels`` of somebody else.
     """
-    source, to = files(), path_of(folder)
+    source, to = files(kernels), path_of(folder)
     first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
     root = to / PARTS["page"]
     try:

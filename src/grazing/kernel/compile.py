@@ -12,13 +12,13 @@ import hashlib
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-from grazing.kernel.content import Known, below, digest, is_kernel, named
+from grazing.kernel.content import COMPILED, Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
 from grazing.kernel.primitives import pointed, signatures
@@ -117,6 +117,28 @@ def compiled(function: Callable[..., Any], arithmetic: str = "strict", announce:
         return _outer[key]  # type: ignore[no-any-return]
 
 
+def ahead(function: Callable[..., Any], arguments: Sequence[tuple[str, int]], who: str) -> Callable[..., Any]:
+    """Compile a kernel before it is called, and return it.
+
+    Parameters
+    ----------
+    function : callable
+        A plain Python function, see :func:`compiled`.
+    arguments : sequence of tuple
+        Of each the kind of its numbers, such as ``"float64"``, and how many axes it has: 0 for one number.
+    who : str
+        Who is to blame if it does not compile.
+    """
+    entry: Any = compiled(function)
+    if not jit_disabled():
+        from numba import types
+
+        kinds = [(getattr(types, kind), axes) for kind, axes in arguments]
+        with _lock:
+            call(entry.compile, tuple(types.Array(kind, axes, "C") if axes else kind for kind, axes in kinds), who=who)
+    return entry  # type: ignore[no-any-return]
+
+
 @cache
 def address(function: Callable[..., Any], signature: str, arithmetic: str = "strict", who: str = "kernel") -> float:
     """Compile a function of numbers and return where its code lies, for :func:`grazing.kernel.primitives.called`.
@@ -205,8 +227,10 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     options["forceinline"] = getattr(function, "inlined", False)
     way: dict[str, Any] = {}
     if not plain():
+        from grazing.kernel.linking import link_carefully
         from grazing.kernel.pipeline import pipeline
 
+        link_carefully()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
     if role != "part":
@@ -259,7 +283,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     """Return a copy of the function in which every kernel it names is replaced."""
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
-    names = {"__name__": "grazing.kernel", "__builtins__": function.__globals__.get("__builtins__")}
+    names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
 
     def code(value: Any) -> Any:
         if not isinstance(value, FunctionType):

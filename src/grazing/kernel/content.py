@@ -19,6 +19,9 @@ from grazing.kernel.wide import forms
 #: The functions of this module have a compiled form of their own always, those that are wide where it is taken.
 PRIMITIVES = "grazing.kernel.primitives"
 
+#: The module of functions as the compiler sees them: the name of each says its arithmetic and its content.
+COMPILED = "grazing.kernel"
+
 #: Hashes of functions, for as long as nothing can change what they name: during one compilation.
 Known = dict[FunctionType, str]
 
@@ -88,6 +91,9 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         return ("array", value.dtype.str, value.shape, numbers)
     if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
         return (type(value).__name__, repr(value))
+    made = getattr(value, "py_func", None)
+    if getattr(made, "__module__", "") == COMPILED:
+        return ("compiled", made.__name__)  # type: ignore[union-attr]
     return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
 
 

@@ -17,7 +17,7 @@ from grazing.maps.map import Map
 from grazing.maps.of_system import INFINITY, NAN, OfSystem, kind_of, widths_after
 from grazing.maps.origin import Origin
 from grazing.maps.own_step import ending
-from grazing.maps.returning import MAX_PERIODS
+from grazing.maps.returning import MAX_PERIODS, within_period
 from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, NO_IMPACT, OK, InputError
 from grazing.parameter import Parameter
@@ -82,7 +82,7 @@ def return_of(asked: Asked, n: int, timed: bool, with_tangent: bool, origin: flo
         T, tau, x = duration(p), 0.0, zero
         end, most = T * MAX_PERIODS, 0
         if timed:
-            tau, end, most = state[0] - T * (state[0] // T), T, MAX_PERIODS
+            tau, end, most = within_period(state[0], T), T, MAX_PERIODS
         for i in range(n):
             x = replaced(x, i, state[first + i])
         start, begin, left, strobes, outcome, A, J = x, tau, origin, 0, OK, same, lost

@@ -9,6 +9,7 @@ from math import copysign, inf, isfinite, nan, sin, ulp
 from typing import Any
 
 import numpy as np
+import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.gap import border, gap_map
@@ -173,8 +174,6 @@ class NormalForm:
 
     def parameter(self, mu: float) -> float:
         """Return the value of the parameter at which μ is ``mu``, on the branch through the graze."""
-        from scipy.optimize import brentq
-
         mu = real(mu, "mu", "give a finite number")
         if mu == 0.0:
             return self.graze
@@ -190,7 +189,9 @@ class NormalForm:
             try:
                 if (self.mu(edge) - mu) * copysign(1.0, mu) >= 0.0:
                     return float(
-                        brentq(lambda x: self.mu(x) - mu, *sorted((self.graze, edge)), xtol=1e-300, rtol=8.9e-16)
+                        scipy.optimize.brentq(
+                            lambda x: self.mu(x) - mu, *sorted((self.graze, edge)), xtol=1e-300, rtol=8.9e-16
+                        )
                     )
             except (InputError, OutsideForm):
                 break

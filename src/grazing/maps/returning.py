@@ -28,6 +28,15 @@ class Doubt(NamedTuple):
 NO_DOUBT = Doubt(0.0, 0.0, 0.0)
 
 
+def within_period(tau: float, T: float) -> float:
+    """Return a time less whole periods, in [0, T]; 0 where so large a double has no phase, and little is left of it.
+
+    Fast arithmetic finds the rest exactly, of a number of periods that is rounded: it may be below 0 by many of them.
+    """
+    start = tau - T * (tau // T)
+    return start if 0.0 <= start <= T else 0.0
+
+
 def next_period(ball: Ball, doubt: Doubt, c: Any) -> tuple[Ball, Doubt]:
     """Return the ball at the end of a period as the same ball at the beginning of the next, and how wrong it may be.
 

@@ -14,7 +14,7 @@ from grazing.maps.derivative import Derived, plainly, stepping
 from grazing.maps.hits import LATER, Struck
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfWalls
-from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period
+from grazing.maps.returning import INFINITY, MAX_PERIODS, NAN, NO_DOUBT, derivative, next_period, within_period
 from grazing.maps.settle import said_in_flight
 from grazing.oscillator.constants import forcing
 from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
@@ -55,7 +55,7 @@ def return_of(first: Law, second: Law, still: bool = False) -> Callable[..., Any
             return (NAN, NAN), 0, (OK if v != v or tau != tau else BAD_LAW), lost
         if T > MAX_SWINGS * c.a.piece:
             return (NAN, NAN), 0, TOO_MANY_SWINGS, lost
-        start, left = tau - T * (tau // T), frame_of(b, c)
+        start, left = within_period(tau, T), frame_of(b, c)
         ball, doubt = placed(start, 0.0, w, 0), NO_DOUBT
         strobes, outcome = 0, OK
         # from rest the flight is smooth where the force lifts the ball at once

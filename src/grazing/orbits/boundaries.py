@@ -14,9 +14,9 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from grazing.maps.map import Map
 from grazing.maps.normal_form import steady_minimum
@@ -24,7 +24,7 @@ from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_si
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, OutsideForm, shown
-from grazing.parameter import Parameter, checked_periods, in_order
+from grazing.parameter import Parameter, checked_periods, in_order, refuse_ends
 
 Floats = NDArray[np.float64]
 
@@ -186,7 +186,8 @@ def free_grazes(model: Oscillator, along: Range) -> list[float]:
     values = np.linspace(along.low, along.high, CELLS + 1).tolist()
     heights = [height(value) for value in values]
     return [
-        float(brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0 else ends[0 if a == 0.0 else 1]
+        float(scipy.optimize.brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0
+        else ends[0 if a == 0.0 else 1]
         for ends, (a, b) in zip(pairwise(values), pairwise(heights), strict=True) if a * b < 0.0 or b == 0.0
     ]  # fmt: skip
 
@@ -288,8 +289,7 @@ def _range(value: Any, which: str) -> Range:
     if ends.size < 2 or not np.isfinite(ends).all():
         raise InputError(wanted)
     low, high = (float(ends.min()), float(ends.max())) if len(rest) == 1 else (float(ends[0]), float(ends[1]))
-    if not low < high:
-        raise InputError(f"{which} runs from {low:g} to {high:g}; the lower end must come first")
+    refuse_ends(low, high, f"{which} runs from {low:g} to {high:g}")
     return Range(name, low, high)
 
 

@@ -25,7 +25,7 @@ from grazing.orbits.switching import (
     turns,
 )
 from grazing.outcome import InputError, abridged, listed, shown
-from grazing.parameter import checked_name, named_by, real, value_of, whole
+from grazing.parameter import checked_name, named_by, real, refuse_ends, value_of, whole
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -241,8 +241,7 @@ def checked_bounds(P: Map, name: str, bounds: Any) -> tuple[float, float]:
         raise InputError(f"bounds is {shown(bounds)}; give the pair (low, high) of values of {name}") from None
     low, high = P.describe(name).check(low), P.describe(name).check(high)
     low, high = real(low, name, "give a finite value"), real(high, name, "give a finite value")
-    if not low < high:
-        raise InputError(f"bounds of {name} are ({low:g}, {high:g}); the lower end must come first")
+    refuse_ends(low, high, f"bounds of {name} are ({low:g}, {high:g})")
     if P.walled is not None and name in P.walled.params:
         for end in (low, high):  # room between walls is least at an end: it is a least of linear functions
             try:

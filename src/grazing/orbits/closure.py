@@ -19,7 +19,7 @@ from typing import Any, NamedTuple
 
 from grazing.kernel.elementary import exp, length, sincos
 from grazing.kernel.primitives import replaced
-from grazing.oscillator.constants import Constants, forcing
+from grazing.oscillator.constants import Constants, forcing, steady_response
 from grazing.oscillator.contact import placed, window_of, window_sign
 from grazing.oscillator.flight import anchored, divided2, divided3, flight, modes
 from grazing.oscillator.frames import Frames, first_contact, frame_of
@@ -28,6 +28,8 @@ from grazing.oscillator.windows import free_distance, series, window_edges
 TWO_PI = 2.0 * pi
 #: Test functions of :func:`impact_state`, in their order; an orbit is stable and admissible where all are > 0.
 TESTS = ("pd", "lp", "ns", "v0", "law", "st", "gr")
+#: Time, in that in which the fast mode of a flight falls by e, after which nothing is left of it: it was e^-100.
+DRAGGED = 100.0
 #: Part of the size of a motion by which dips differ that are not equal but for rounding.
 EQUAL = 1e-12
 #: Pieces of an affine reset law: one piece; a trigger that fires (|v_minus| >= trigger); one that does not.
@@ -188,17 +190,35 @@ def impact_state(phi: float, law: int, g: Closing, c: Constants) -> tuple[float,
     )  # fmt: skip
 
 
-def bend_of_forcing(t: float, c: Constants) -> tuple[float, float]:
-    """Return F'' at local time t, and a bound on |F'''| at all times."""
+def second_derivative(t: float, cos: tuple[float, ...], sin: tuple[float, ...], c: Constants) -> tuple[float, float]:
+    """Return the second derivative of a series of the forcing's harmonics at local time t, and a bound on the third."""
     s1, c1 = sincos(c.omega * t + c.theta)
     sj, cj = s1, c1
-    ddF, bound = 0.0, 0.0
-    for j in range(len(c.cos)):
+    second, bound = 0.0, 0.0
+    for j in range(len(cos)):
         W = (j + 1) * c.omega
-        ddF -= W * W * (c.cos[j] * cj + c.sin[j] * sj)
-        bound += W * W * W * length(c.cos[j], c.sin[j])
+        second -= W * W * (cos[j] * cj + sin[j] * sj)
+        bound += W * W * W * length(cos[j], sin[j])
         sj, cj = sj * c1 + cj * s1, cj * c1 - sj * s1
-    return ddF, bound
+    return second, bound
+
+
+def drags(s: float, c: Constants) -> bool:
+    """Return whether of a free flight only what dies out slowly is left after time s."""
+    return c.q2 > 0.0 and -c.l2 * s > DRAGGED
+
+
+def dragged(t: float, v: float, c: Constants) -> tuple[float, float, float]:
+    """Return the acceleration at local time t of a flight that :func:`drags`, and bounds on its jerk's parts.
+
+    The velocity is that of the steady response, and a rest that falls as e^{l1 t}: so its slope has all its digits,
+    where as a force and drag that are equal but for rounding it has none. The bounds are on the third derivative
+    of the response, and on that of the rest now.
+    """
+    _Y, dY = steady_response(t, c)
+    ddY, third = second_derivative(t, c.hc, c.hs, c)
+    rest = v - dY
+    return ddY + c.l1 * rest, third, c.l1 * c.l1 * abs(rest)
 
 
 def gained(s: float, c: Constants) -> float:
@@ -219,7 +239,8 @@ def lowest_dip(
 
     No dip is missed: over the next step y''' is bounded by the energy
     e^2 = y''''^2 + |k^2| y'''^2, where e' <= |F'''| at most, and e' <= |F'''| + (|alpha| + |k|) e for a negative
-    alpha and a negative k^2; so every step is proved either free of zeros of v or to have one only.
+    alpha and a negative k^2; so every step is proved either free of zeros of v or to have one only. Once a flight
+    :func:`drags` its bounds are those of :func:`dragged`.
     """
     anchor = anchored(tau, y, v, c)
     low, at, count, when = float("inf"), 0, 0, 0.0
@@ -227,12 +248,16 @@ def lowest_dip(
     s, reach, turned, deepest = 0.0, c.T / 64.0, False, low
     into = y == 0.0 and v < 0.0 and forcing(tau, c)[0] - c.alpha * v > 0.0
     while s < L:
-        F, dF = forcing(tau + s, c)
-        ddF, third = bend_of_forcing(tau + s, c)
-        acc = F - c.alpha * v - c.k2 * y
-        jerk = dF - c.alpha * acc - c.k2 * v
-        snap = ddF - c.alpha * jerk - c.k2 * acc
-        bend = abs(jerk) + reach * (length(snap, sqrt(abs(c.k2)) * jerk) + reach * third) * gained(reach, c)
+        if drags(s, c):
+            acc, bend, rest = dragged(tau + s, v, c)
+            bend += rest * exp(max(c.l1, 0.0) * reach)
+        else:
+            F, dF = forcing(tau + s, c)
+            ddF, third = second_derivative(tau + s, c.cos, c.sin, c)
+            acc = F - c.alpha * v - c.k2 * y
+            jerk = dF - c.alpha * acc - c.k2 * v
+            snap = ddF - c.alpha * jerk - c.k2 * acc
+            bend = abs(jerk) + reach * (length(snap, sqrt(abs(c.k2)) * jerk) + reach * third) * gained(reach, c)
         monotone = 0.9 * abs(acc) / bend if bend > 0.0 else L
         step = max(0.9 * free_distance(v, acc, bend), monotone, 1e-7 * c.T)
         end = min(L, s + min(step, reach))
@@ -261,8 +286,9 @@ def minimum(lo: float, hi: float, anchor: Any, c: Constants) -> tuple[float, flo
     s = 0.5 * (lo + hi)
     for _ in range(60):
         y, v = flight(s, anchor, c)
-        F, _dF = forcing(anchor.t + s, c)
-        acc = F - c.alpha * v - c.k2 * y
+        acc = forcing(anchor.t + s, c)[0] - c.alpha * v - c.k2 * y
+        if drags(s, c):
+            acc = dragged(anchor.t + s, v, c)[0]
         if v < 0.0:
             lo = s
         else:

@@ -18,7 +18,7 @@ from grazing.orbits.bounce_guesses import guessed
 from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, corrected_word, inside
 from grazing.orbits.bounces import Bounces, conserves, solid_surfaces
 from grazing.orbits.finder import LONGEST_WORDS, Finder, Looked, Tally, Wanted
-from grazing.orbits.sight import gain_of, one_at_most, one_way, unseen
+from grazing.orbits.sight import gain_of, has_parallels, one_at_most, one_way, unseen
 from grazing.orbits.word import least_rotation, primitive, word
 from grazing.outcome import InputError
 
@@ -139,8 +139,12 @@ def bounce_orbits(
             owners = tuple(words.surfaces[k].owner for k in one)
             if one_way(table, owners):
                 continue
-            if one_at_most(table, owners) and primitive(one) != one:
-                continue  # it would go round the orbit of a shorter word
+            if one_at_most(table, owners):
+                once = len(primitive(one))
+                if len(one) == once * (1 + once % 2) and has_parallels([words.surfaces[k] for k in one]):
+                    found.single = False
+                if len(one) > once:
+                    continue  # it would go round the orbit of a shorter word
             sequences.append(one)
             if len(sequences) > MOST_WORDS:
                 raise InputError(

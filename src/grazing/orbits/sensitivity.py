@@ -12,9 +12,9 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import brentq
 
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
@@ -178,7 +178,7 @@ class Edge:
     def starts(self) -> list[Floats]:
         """Return the variables (phase, time, row) of orbits that may be the one at the edge, the likeliest first."""
         phases = self.phases()
-        here = np.array([[phase, 0.0, *self.row] for phase in phases]).reshape(len(phases), -1)
+        here = np.array([[phase, 0.0, *self.row] for phase in phases]).reshape(-1, 2 + len(self.row))
         values = np.abs(self.evaluated(here)[:, self.columns[1]]) if len(here) and self.kind != "gr" else None
         found = []
         for x in here if values is None else here[np.argsort(values, kind="stable")]:
@@ -202,7 +202,7 @@ class Edge:
             return float(self.evaluated(np.array([[phase, 0.0, *self.row]]))[0, FOLD])
 
         return [
-            float(brentq(bent, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
+            float(scipy.optimize.brentq(bent, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
             for i in np.flatnonzero(slope[1:] * slope[:-1] < 0.0)
         ]
 
@@ -221,7 +221,7 @@ class Edge:
         if not 1 <= self.dip <= len(bottoms):
             return float("nan")
         i = int(bottoms[len(bottoms) - self.dip])
-        return float(brentq(velocity, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
+        return float(scipy.optimize.brentq(velocity, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
 
     def slopes(self, x: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the derivatives (equations, variables) of the equations at x, their errors, and the values there."""

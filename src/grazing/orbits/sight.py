@@ -19,6 +19,8 @@ from grazing.oscillator.reset import Reset, active_law, newton_law, triggered_la
 
 #: What is nearer than this part of the sizes is not decided: rounding.
 SLACK = 1e-13
+#: Faces whose reflections leave a turn by less than this have orbits beside each other.
+LEAN = 1e-9
 
 
 def normal_of(face: Surface) -> tuple[float, float]:
@@ -118,3 +120,30 @@ def one_at_most(table: Table, owners: Sequence[int]) -> bool:
     """
     things = [table.objects[owner] for owner in owners]
     return table.gravity == 0.0 and all(one.kind != ARC and gain_of(one.law) == 0 for one in things)
+
+
+def has_parallels(word: Sequence[Surface]) -> bool:
+    """Whether elastic impacts with these surfaces, on a level table, have orbits beside each other: over faces only.
+
+    Each face is reflected at those before it, so that ways become straight lines. All of these together must shift the
+    plane, which an odd number does if gone round twice; orbits are the lines along the shift that meet each face from
+    its front.
+    """
+    if len(word) % 2 == 1 or any(face.round for face in word):
+        return False
+    turn, shift, mirrored, seen = complex(1.0), complex(0.0), False, []
+    for face in word:
+        n, e = complex(*normal_of(face)), complex(face.ex, face.ey)
+        start = complex(face.x, face.y) + face.size * n
+        a, b, n = (z.conjugate() if mirrored else z for z in (start, start + face.high * e, n))
+        a, b, n = shift + turn * a, shift + turn * b, turn * n
+        over = (b - a) / (b - a).conjugate()
+        turn, shift, mirrored = over * turn.conjugate(), a + over * (shift - a).conjugate(), not mirrored
+        seen.append((a, b, n))
+    size = max(abs(b - a) for a, b, _n in seen)
+    if abs(turn - 1.0) > LEAN or abs(shift) <= LEAN * size:
+        return False
+    along = (shift / abs(shift)).conjugate()
+    sides = [sorted(((along * a).imag, (along * b).imag)) for a, b, _n in seen]
+    wide = min(high for _low, high in sides) - max(low for low, _high in sides)
+    return wide > LEAN * size and all((along * n).real < 0.0 for _a, _b, n in seen)

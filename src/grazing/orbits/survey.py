@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE, closing, contact_after, impact_state, simple_zeros, turning
-from grazing.oscillator.constants import constants_of
+from grazing.oscillator.constants import HEAD, constants_of
 from grazing.oscillator.frames import alone
 from grazing.oscillator.model import checked_model
 from grazing.oscillator.reset import active_law, newton_law, triggered_law
@@ -89,8 +89,9 @@ def survey(
     """
     table = np.full((len(values), 2 * family.harmonics, COLUMNS), np.nan)
     counts = np.zeros(len(values), np.int64)
-    run = _surveyor(family.kind, family.harmonics)
-    row, index, N, law = family.row.copy(), family.position, family.N, family.law
+    run = _surveyor(family.harmonics)
+    row = np.append(family.row, float("stiffness" in family.kind._fields))  # type: ignore[attr-defined]
+    index, N, law = family.position, family.N, family.law
     call(run, row, index, values, N, law, contacts, table, counts, who="the closing equation")
     order = np.argsort(table[:, :, PHASE], axis=1)  # NaN last
     return table[np.arange(len(table))[:, None], order], counts
@@ -105,7 +106,10 @@ def extremum(family: Family, value: float, guess: float) -> tuple[float, float]:
 
 
 @lru_cache(maxsize=64)
-def _surveyor(kind: type, harmonics: int) -> Callable[..., None]:
+def _surveyor(harmonics: int) -> Callable[..., None]:
+    """Compile the loop, once for models by k and for those by their stiffness."""
+    waves = [f"{name}{j}" for j in range(1, harmonics + 1) for name in ("cos", "sin")]
+    kind = parameter_tuple((*HEAD, *waves, "sigma", "r", "V", "trigger", "direct"))
     unpack, constants = unpacker(kind), constants_of(harmonics)
     no_edges = (0.0,) * (2 * harmonics + 2)
 

@@ -9,9 +9,9 @@ from math import inf
 from typing import Any
 
 import numpy as np
+import scipy
 import xarray as xr
 from numpy.typing import NDArray
-from scipy.optimize import brentq, minimize_scalar
 
 from grazing.memory import refuse_too_large
 from grazing.orbits.closure import TESTS, TWO_PI
@@ -24,7 +24,7 @@ from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
-from grazing.parameter import checked_name, checked_periods, unknown, value_of, whole
+from grazing.parameter import checked_name, checked_periods, refuse_ends, unknown, value_of, whole
 
 #: What ends a window, in words.
 EDGES = {
@@ -294,7 +294,7 @@ def _brackets(
     inner = np.flatnonzero(alike & (size[1:-1] < np.minimum(size[:-2], size[2:])) & (size[1:-1] < 2.0 * rise))
     for i in inner + 1:
         sign = 1.0 if positive[i] else -1.0
-        least = minimize_scalar(
+        least = scipy.optimize.minimize_scalar(
             lambda value, sign=sign: sign * float(_finite(curve.at(value)[column])),
             bounds=(values[i - 1], values[i + 1]),
             method="bounded",
@@ -315,7 +315,7 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
     if ends[0] * ends[1] >= 0.0:
         return low if abs(ends[0]) <= abs(ends[1]) else high
     smallest = 1e-18 * (curve.values[-1] - curve.values[0])
-    return float(brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
+    return float(scipy.optimize.brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
 
 
 def _span(model: Rig, name: str, span: Any) -> tuple[float, float]:
@@ -328,8 +328,7 @@ def _span(model: Rig, name: str, span: Any) -> tuple[float, float]:
         except (TypeError, ValueError):
             raise InputError(f"span is {shown(span)}; give the pair (low, high) of values of {name}") from None
         low, high = parameter.check(low), parameter.check(high)
-        if not low < high:
-            raise InputError(f"span of {name} is ({low:g}, {high:g}); the lower end must come first")
+        refuse_ends(low, high, f"span of {name} is ({low:g}, {high:g})")
         for value in (low, high):  # some are out of range beside the others only
             refuse_swings(model.replace(**{name: value}))
         return low, high

@@ -117,8 +117,9 @@ def put_points(x: Any, a: float, b: float, count: int, c: Constants) -> None:
 
 
 def cells_in(length: float, c: Constants) -> int:
-    """Return into how many cells a window is cut."""
-    return int(length * fastest(c) / REACH) + 1
+    """Return into how many cells a window is cut; one more than a table has, where that is not enough."""
+    cells = length * fastest(c) / REACH
+    return int(cells) + 1 if cells < MAX_CELLS else MAX_CELLS + 1  # no whole number holds those of a stiff spring
 
 
 def fastest(c: Constants) -> float:

@@ -9,12 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from grazing.catalogue.rows import runs
 from grazing.plot.classes import legend_beside, patch
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import axes_along, edges_of, name_single, ordered
+from grazing.plot.raster import axes_along, bands_of, edges_of, name_single, ordered
 from grazing.plot.style import DOUBLE, INK, root, styled, symbol, unit_of
 
 Floats = NDArray[np.float64]
@@ -72,7 +71,8 @@ def lyapunov(
         edges = edges_of(values, ax.xaxis)
         greatest = np.asarray(result["exponent"].values, np.float64)[where, :, 0]
         known = np.where(np.isnan(greatest), -np.inf, greatest).max(axis=1)
-        bands = [ax.axvspan(edges[a], edges[b], color=CHAOS_SHADE, lw=0, zorder=0) for a, b in runs(known > positive)]
+        chaotic = bands_of(known > positive, edges, ax.xaxis)
+        bands = [ax.axvspan(low, high, color=CHAOS_SHADE, lw=0, zorder=0) for low, high in chaotic]
         zero = ax.axhline(0.0, color="#595959", lw=0.6, zorder=1.5)
         lines = _lines(ax, values, exponent)
         infinite = _infinite(ax, values, exponent)

@@ -9,12 +9,11 @@ from matplotlib.axes import Axes
 from matplotlib.transforms import IdentityTransform
 from numpy.typing import NDArray
 
-from grazing.catalogue.rows import runs
 from grazing.plot.classes import ENDED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
-from grazing.plot.raster import axes_along, edges_of, ordered
+from grazing.plot.raster import axes_along, bands_of, edges_of, ordered
 from grazing.plot.style import CHAOS, DOUBLE, period_colour, root, styled, symbol
 from grazing.plot.words import worded, words_in
 
@@ -141,8 +140,7 @@ def ends_of(values: NDArray[Any], axis: Any = None) -> tuple[float, float]:
 def _ended(values: NDArray[Any], period: NDArray[Any], axis: Any) -> list[tuple[float, float]]:
     """Return the ranges of neighbouring values at which every orbit ended, to halfway to the next values."""
     x, order = ordered(values)
-    edges = edges_of(x, axis)
-    return [(float(edges[a]), float(edges[b])) for a, b in runs((period[order] == ENDED).all(axis=1))]
+    return bands_of((period[order] == ENDED).all(axis=1), edges_of(x, axis), axis)
 
 
 def _classes(

@@ -8,6 +8,7 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.catalogue.rows import runs
 from grazing.outcome import InputError
 from grazing.plot.style import RC, axes, root
 
@@ -15,6 +16,8 @@ Floats = NDArray[np.float64]
 
 #: Widths of cells that differ by less than this share are the same: values from ``linspace`` or ``arange``.
 EVEN = 1e-6
+#: Dots of a page along an axis: what is nearer than one is drawn as one.
+DOTS = 2000
 
 
 def ordered(values: ArrayLike) -> tuple[Floats, NDArray[np.intp]]:
@@ -90,6 +93,27 @@ def _edges(values: Floats, axis: Any) -> Floats:
     middle = 0.5 * (at[1:] + at[:-1])
     edges = np.concatenate([[2.0 * at[0] - middle[0]], middle, [2.0 * at[-1] - middle[-1]]])
     return np.asarray(edges if scale is None else scale.inverted().transform(edges), np.float64)
+
+
+def bands_of(there: NDArray[np.bool_], edges: Floats, axis: Any) -> list[tuple[float, float]]:
+    """Return where the runs of chosen cells begin and end.
+
+    Where they are more than a page has dots, those less than a dot apart are one, so that drawing takes no longer
+    however many there are.
+
+    Parameters
+    ----------
+    there : ndarray of bool, shape (n,)
+    edges : ndarray, shape (n + 1,)
+    axis : matplotlib Axis
+        On which a dot is as wide everywhere.
+    """
+    found = np.array(runs(there), np.intp).reshape(-1, 2)
+    if len(found) > DOTS:
+        place = axis.get_transform().transform(edges)
+        apart = place[found[1:, 0]] - place[found[:-1, 1]] > (place[-1] - place[0]) / DOTS
+        found = np.stack([found[np.append(True, apart), 0], found[np.append(apart, True), 1]], axis=1)
+    return [(float(begin), float(end)) for begin, end in edges[found]]
 
 
 def name_single(axis: Any, values: Floats) -> None:

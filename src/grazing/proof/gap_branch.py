@@ -11,13 +11,16 @@ from grazing.orbits.orbit import Orbit
 from grazing.outcome import InputError
 from grazing.proof.gap import GapProof, certify_gap_edge
 from grazing.theory import word_orbits
+from grazing.theory.words import blocks_of
 
 Floats = NDArray[np.float64]
 
-#: Halvings of the way to an edge, which ends that near to it, and most steps of one of them.
-NEARER, STEPS = 30, 64
-#: An orbit is told from others of its word if it moves by less than this part of its distance from them.
-TOLD = 0.3
+#: Where the way to an edge ends, in parts of it or of mu; how often it is halved there, and most steps of a half.
+NEAR, STEPS = 1e-9, 200
+#: The slopes at both ends of a step tell how far an orbit moves, but for this part; it moves no farther than that part.
+TOLD, FAR = 0.3, 0.2
+#: How near to its edge an orbit has then come, in parts of its roots: as the root of that way at a fold.
+CLOSE = 1e-3
 
 
 def nearest_edge(orbit: Orbit, edge: str) -> GapProof | None:
@@ -75,32 +78,48 @@ def _leads(orbit: Orbit, proof: GapProof, edge: str) -> bool:
         found = [one.roots for one in word_orbits(orbit.word, lam, value, l)]
         return np.array(found).reshape(len(found), len(ends))
 
+    def slope(s: Floats) -> Floats:
+        blocks = blocks_of(orbit.word, lam, mu, l)
+        D = np.diag(2.0 * s)
+        D[range(len(s)), range(-1, len(s) - 1)] += blocks.c
+        return np.linalg.solve(D, np.array(blocks.K))
+
     least = float(orbit.points.min())
     own = min(word_orbits(orbit.word, lam, mu, l), key=lambda one: abs(float(one.points.min()) - least))
     s, way = np.array(own.roots), mu - end
-    for _ in range(NEARER):
-        followed = _followed(roots, s, end + way, end + 0.5 * way)
+    near = NEAR * max(abs(way), abs(end))
+    while abs(way) > near:
+        followed = _followed(roots, slope, s, end + way, end + 0.5 * way)
         if followed is None:
             return False
         s, way = followed, 0.5 * way
     last = roots(end + way)
-    order = np.argsort(np.abs(last - ends).max(axis=1))[: 2 if edge == "lp" else 1]
-    return any(np.array_equal(last[i], s) for i in order)
+    if len(last) == 0:
+        return False
+    gaps, scale = np.abs(last - ends).max(axis=1), np.abs(own.roots).max()
+    there = [i for i in np.argsort(gaps)[: 2 if edge == "lp" else 1] if gaps[i] <= CLOSE * scale]
+    return int(np.argmin(np.abs(last - s).max(axis=1))) in there
 
 
-def _followed(roots: Callable[[float], Floats], s: Floats, start: float, stop: float) -> Floats | None:
+def _followed(
+    roots: Callable[[float], Floats], slope: Callable[[Floats], Floats], s: Floats, start: float, stop: float
+) -> Floats | None:
     """Return the roots at one mu that those at another go over into; None if they end on the way, or are not told."""
     at, step = start, stop - start
     for _ in range(STEPS):
-        step = stop - at if abs(step) >= abs(stop - at) else step
-        here, there = roots(at), roots(at + step)
-        gaps = np.abs(here - s).max(axis=1)
-        others = gaps[gaps > 0.0]
-        moves = np.abs(there - s).max(axis=1)
-        if len(moves) and (len(others) == 0 or moves.min() <= TOLD * others.min()):
-            s, at, step = there[np.argmin(moves)], at + step, 2.0 * step
-            if at == stop:
-                return s
+        to = stop if abs(step) >= 0.99 * abs(stop - at) else at + step
+        there = roots(to)
+        try:
+            ahead = slope(s) * (to - at)
+            near = there[np.argmin(np.abs(there - s - ahead).max(axis=1))] if len(there) else s
+            off = np.abs(near - s - np.array([ahead, slope(near) * (to - at)])).max()
+        except np.linalg.LinAlgError:
+            return None
+        moved = np.abs(near - s).max()
+        if len(there) and off <= TOLD * moved and moved <= FAR * np.abs(s).max():
+            if to == stop:
+                return near
+            s, at, step = near, to, 2.0 * step
         else:
             step *= 0.5
     return None

@@ -93,16 +93,20 @@ def _described(model: Any, data: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _leaves(value: Any, at: tuple[Any, ...] = ()) -> Iterator[tuple[tuple[Any, ...], Any]]:
-    """Yield the place of each number and word in data, and what it is; no two have one place, whatever their names."""
+    """Yield the place of each number and word in data, and what it is; no two have one place, whatever their names.
+
+    What the constant force is called is no difference, nor is the sign of a zero.
+    """
     if isinstance(value, Mapping):
         for key, inner in value.items():
-            yield from _leaves(inner, (*at, key))
+            if key != "offset_name":
+                yield from _leaves(inner, (*at, key))
     elif isinstance(value, list):
         for i, inner in enumerate(value):
             named = inner.get("name") if isinstance(inner, Mapping) else None
             yield from _leaves(inner, (*at, named or i + 1))
     else:
-        yield at, value
+        yield at, (0.0).hex() if value == (-0.0).hex() else value
 
 
 def _value(text: Any) -> Any:

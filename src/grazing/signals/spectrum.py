@@ -71,7 +71,10 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
         with np.errstate(all="ignore"):  # a parameter that is too large for it gives nan
             weights = get_window(window, len(t))
     except Exception as error:  # of whatever was given
-        raise InputError(f"window = {shown(window)}: {error}") from None
+        raise InputError(
+            f"window = {shown(window)}; give one of scipy.signal.get_window with what it needs, such as 'hann', "
+            "'boxcar' or ('kaiser', 14)"
+        ) from error
     if not np.isfinite(weights).all() or not weights.any():
         raise InputError(f"window = {shown(window)} gives weights that are no numbers, or all 0; choose another one")
     frequency, power = periodogram(x, fs=rate, window=weights, detrend="constant", scaling="spectrum")

@@ -40,7 +40,7 @@ class Change(NamedTuple):
 
 
 def changes(
-    P: Map, name: str, values: Floats, reached: NDArray[np.int64], period: NDArray[np.int32],
+    P: Map, name: str, values: Floats, reached: NDArray[np.int32], period: NDArray[np.int32],
     words: NDArray[np.object_], last: Floats, transient: int, keep: int,
 ) -> list[Change]:  # fmt: skip
     """Return the changes between neighbouring values, in increasing order of the value.
@@ -60,20 +60,23 @@ def changes(
     """
     found: list[Change] = []
     order = np.argsort(values, kind="stable").tolist()
-    maps = [P.replace(**{name: float(value)}) for value in values]
     there = [
-        {k: _point(reached, last, n, k) for k in sorted(_attractors(reached[n], period))} for n in range(len(maps))
+        {k: _point(reached, last, n, k) for k in sorted(_attractors(reached[n], period))} for n in range(len(values))
     ]
+
+    def at(n: int) -> Map:  # a map for each value would take more memory than its orbits
+        return P.replace(**{name: float(values[n])})
+
     for way in (order, order[::-1]):
         for i, j in pairwise(way):
             known = {k: x for k, x in there[i].items() if k not in there[j]}
             if known:
-                there[j] |= _followed(maps[i], maps[j], name, known, period, words, transient, keep)
+                there[j] |= _followed(at(i), at(j), name, known, period, words, transient, keep)
     for i, j in pairwise(order):
         gone, new = sorted(there[i].keys() - there[j].keys()), sorted(there[j].keys() - there[i].keys())
         for a in list(gone):
             for b in list(new):
-                points, both = (there[i][a], there[j][b]), (maps[i], maps[j])
+                points, both = (there[i][a], there[j][b]), (at(i), at(j))
                 kind = _kind(both, points, (int(period[a]), int(period[b])), (str(words[a]), str(words[b])))
                 if kind and a in gone:
                     found.append(_change(values, i, j, words, period, a, b, kind))
@@ -84,7 +87,7 @@ def changes(
     return found
 
 
-def work_of(values: Floats, reached: NDArray[np.int64], period: NDArray[np.int32], steps: int) -> float:
+def work_of(values: Floats, reached: NDArray[np.int32], period: NDArray[np.int32], steps: int) -> float:
     """Return about how many steps of the map :func:`changes` takes, for orbits of so many steps."""
     total, order = 0.0, np.argsort(values, kind="stable").tolist()
     there = [_attractors(reached[n], period) for n in order]
@@ -96,7 +99,7 @@ def work_of(values: Floats, reached: NDArray[np.int64], period: NDArray[np.int32
     return total
 
 
-def _attractors(reached: NDArray[np.int64], period: NDArray[np.int32]) -> set[int]:
+def _attractors(reached: NDArray[np.int32], period: NDArray[np.int32]) -> set[int]:
     """Return the attractors that are reached; what is undecided or ended is none."""
     return {k for k in np.unique(reached).tolist() if period[k] > 0 or period[k] == APERIODIC}
 
@@ -170,7 +173,7 @@ def _kind(
     return "relabelled" if _relabelled(maps[0], points[0], maps[1], points[1], *periods) else ""
 
 
-def _point(reached: NDArray[np.int64], last: Floats, i: int, k: int) -> Floats:
+def _point(reached: NDArray[np.int32], last: Floats, i: int, k: int) -> Floats:
     """Return a point of attractor k at value i."""
     return np.asarray(last[i, int(np.flatnonzero(reached[i] == k)[0])])
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
+from math import prod
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -196,17 +197,15 @@ def compiled_arrival() -> Any:
     return compiled(arrival, "strict")
 
 
-def _reached(result: xr.Dataset) -> tuple[NDArray[np.int64], NDArray[np.int32], NDArray[np.object_]]:
+def _reached(result: xr.Dataset) -> tuple[NDArray[np.int32], NDArray[np.int32], NDArray[np.object_]]:
     """Return which attractor each start reached, and the table of these: periods and words."""
-    both = zip(result["reached_period"].values.ravel(), result["reached_word"].values.ravel(), strict=True)
-    pairs = np.array([f"{N} {word}" for N, word in both])
-    texts, first, code = np.unique(pairs, return_index=True, return_inverse=True)
-    order = np.argsort(first)
-    place = np.empty_like(order)
-    place[order] = np.arange(len(order))
-    reached = place[code].reshape(result["reached_period"].shape)
-    period = np.array([int(texts[i].split(" ", 1)[0]) for i in order], np.int32)
-    words = np.array([texts[i].split(" ", 1)[1] for i in order], object)
+    both = zip(result["reached_period"].values.flat, result["reached_word"].values.flat, strict=True)
+    known: dict[tuple[int, str], int] = {}  # few, in the order in which they come; of each start its number alone
+    codes = (known.setdefault((int(N), word), len(known)) for N, word in both)
+    shape = result["reached_period"].shape
+    reached = np.fromiter(codes, np.int32, prod(shape)).reshape(shape)
+    period = np.array([N for N, _word in known], np.int32)
+    words = np.array([word for _N, word in known], object)
     return reached, period, words
 
 
@@ -242,7 +241,7 @@ def _with_attractors(P: Map, name: str, transient: int, keep: int, result: xr.Da
         "word": ("attractor", words, result["reached_word"].attrs),
         "share": ((name, "attractor"), share, {"long_name": "share of the starts", "units": "1"}),
         "lifetime": ((name, "attractor"), lifetime, {"long_name": "mean steps before settling", "units": "1"}),
-        "reached": ((name, "start"), reached.astype(np.int32), {"long_name": "attractor, a row of the table"}),
+        "reached": ((name, "start"), reached, {"long_name": "attractor, a row of the table"}),
     }
     for field, meaning in fields.items():
         column = [getattr(change, field) for change in found]

@@ -45,7 +45,7 @@ def exists(path: Path) -> bool:
         if ours:
             raise damaged(path, "zarr.json", "it is missing")
         if other:
-            raise InputError(f"{path} is not empty and holds no sweep; choose another folder, it is left alone")
+            raise InputError(f"{path} is not empty and holds no sweep; name another folder")
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}; choose another folder") from error
     return False

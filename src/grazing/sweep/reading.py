@@ -221,8 +221,9 @@ def _texts(store: Store, name: str, records: Mapping[int, Record | None]) -> NDA
     values = np.full(store.arrays[name].shape[:-1], "", object)
     known: dict[str, str] = {}
     for number, record in records.items():
+        letters = _chunk(store, name, number, record)
         try:
-            words = decoded(_chunk(store, name, number, record))
+            words = decoded(letters)
         except (ValueError, TypeError) as error:
             raise _damaged(store, f"{name} in chunk {number}", error) from error
         values[store.grid.block(number)] = np.vectorize(lambda word: known.setdefault(word, word), "O")(words)

@@ -22,7 +22,7 @@ from math import pi
 from types import MappingProxyType
 from typing import Any
 
-from grazing.copies import ByValue, packed, plain
+from grazing.copies import ByValue, made_of, packed
 from grazing.outcome import InputError, UserCodeError, listed, shown, told
 from grazing.parameter import checked_box, checked_coordinates, checked_params, parameters, real, updated
 
@@ -81,7 +81,7 @@ class Surface(ByValue):
         return f"<Surface {self.name}: {getattr(self.gap, '__name__', 'gap')}>"
 
     def __reduce__(self) -> Any:
-        return _made, (Surface, tuple(packed(getattr(self, item.name)) for item in fields(self)))
+        return made_of, (Surface, tuple(packed(getattr(self, item.name)) for item in fields(self)))
 
 
 @dataclass(frozen=True, eq=False)
@@ -193,7 +193,7 @@ class System(ByValue):
 
     def __reduce__(self) -> Any:
         items = [getattr(self, item.name) for item in fields(self) if item.init]
-        return _made, (System, tuple(packed(item) for item in items))
+        return made_of, (System, tuple(packed(item) for item in items))
 
     @property
     def coordinates(self) -> tuple[str, ...]:
@@ -324,10 +324,6 @@ def given_rounding(function: Callable[..., Any]) -> Callable[..., tuple[float, f
 
     rounding.made_by = given_rounding, (function,)  # type: ignore[attr-defined]
     return rounding
-
-
-def _made(kind: Any, items: tuple[Any, ...]) -> Any:
-    return kind(*(plain(item) for item in items))
 
 
 def _refuse_no_function(value: Any, what: str, form: str) -> None:

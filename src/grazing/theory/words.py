@@ -205,7 +205,7 @@ def _orbit(b: Blocks, word: str, roots: FloatArray, lam: float, mu: float, l: fl
     turned = np.roll(points, word.rindex("R") + 1)
     turned.flags.writeable = False
     right = np.array([letter == "R" for letter in word])
-    with np.errstate(divide="ignore", over="ignore"):  # a graze has an infinite slope
+    with np.errstate(divide="ignore", over="ignore", invalid="ignore"):  # a graze has an infinite slope, if any
         slopes = np.where(c == 0.0, 0.0, -c / (2.0 * roots))
         turn = 0.0 if (slopes == 0.0).any() else float(np.prod(slopes))
     defect = np.abs(roots * roots - (C - c * np.roll(roots, 1)))
@@ -316,7 +316,8 @@ def domain(b: Blocks) -> tuple[End, End] | None:
 
 def log_slope(b: Blocks, s: float) -> float:
     """Return log |F'(s)|, a convex function of s."""
-    return sum(math.log(abs(c) / (2.0 * max(at, 1e-300))) for c, at in zip(b.c, chain(b, s), strict=True))
+    pairs = zip(b.c, chain(b, s), strict=True)
+    return sum(math.log(abs(c)) - math.log(2.0 * max(at, 1e-300)) for c, at in pairs)  # of the quotient 0 may be left
 
 
 def _steepens(b: Blocks, s: float) -> bool:

@@ -7,6 +7,7 @@ import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Here } from "./here.js";
+import { LAWS, fileOf, kicks, ownOf, plain, unit } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
@@ -24,6 +25,8 @@ const PACE = 0.7, TRAIL = 800;
 const TURNS = 9;
 /** Orbits that are drawn at most. */
 const ORBITS = 6;
+/** What of a state the past was drawn with. */
+const WALLS = /** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]);
 /** Columns and parts of the small diagram at most, and points of the ball's own in it. */
 const COLUMNS = 320, BINS = 260, VISITED = 6000;
 
@@ -35,6 +38,7 @@ export class BallView {
   /** @type {State} */ state = later();
   /** @type {import("./flight.js").Model} */ model = later();
   /** @type {string | undefined} what is computed, undefined for nothing: then the ball begins anew */ key = undefined;
+  #walls = "";
   /** @type {string | undefined} the small diagram */ #drawn = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
   /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
@@ -44,6 +48,7 @@ export class BallView {
   /** @type {[number, number, number, number]} the axes that show the attractor */ ends = later();
   /** @type {Flight} */ flight = later();
   /** Turns of the forcing at the throw: they go on when parameters change. */ #turns = 0;
+  /** The section that it passes next, counted in turns: rounding would pass one twice or none. */ #next = 0;
   /** Whether the ball has lived through a change of parameters. */ lived = false;
   past = new Past();
   /** @type {[number, number][]} where the ball was at the section, over the parameter of the diagram */ visited = [];
@@ -129,7 +134,8 @@ export class BallView {
     if (state.ball && free !== state.ball[0]) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${free}; begin at the wall or ${Number(free) < state.ball[0] ? "below" : "above"}`);
     const { machine } = this, row = rowOf(machine, state), T = (2 * Math.PI) / state.omega;
     const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined;
-    const turn = this.flight ? this.turn : 0, before = this.state;
+    const turn = this.flight ? this.turn : 0, walls = JSON.stringify(WALLS.map((name) => state[name])), moves = walls !== this.#walls;
+    this.#walls = walls;
     this.state = state;
     this.model = { row, walls: state, T };
     if (anew) this.search.forget();
@@ -145,7 +151,7 @@ export class BallView {
     if (!goes) return this.begin();
     const [u, v] = this.place;
     this.lived = true;
-    if (/** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]).some((name) => state[name] !== before[name])) this.past.clear();
+    if (moves) this.past.clear();
     const time = (turn - Math.floor(turn)) * T;
     this.#fly([inside(state, u, time), v, time], turn);
     this.#fit();
@@ -166,8 +172,10 @@ export class BallView {
   /** The pool has found what starts settle on: the ball that was not thrown goes on from there. */
   #found() {
     this.#portrait();
-    if (this.state.ball || this.lived) this.draw();
-    else this.begin();
+    if (this.state.ball || this.lived) {
+      this.#fit();
+      this.draw();
+    } else this.begin();
     this.told();
   }
 
@@ -178,7 +186,7 @@ export class BallView {
   /** Follow the attractor that most starts reach once around; while it is searched, a few periods from above the wall, not drawn. */
   #portrait() {
     const most = this.classes[0];
-    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1, this.state.phase), 0];
+    const [u, v] = most?.points[0]?.every(Number.isFinite) ? most.points[0] : [inside(this.state, this.state.sigma + moved(this.state, this.state.phase)[0] + 0.1 * unit(), this.state.phase), 0];
     const periods = Math.min(most?.period > 0 ? most.period : 24, 24);
     this.attractor = flown(this.machine, this.model, u, v, this.search.waiting ? 1 : periods);
     this.ends = this.#around(this.attractor);
@@ -195,7 +203,7 @@ export class BallView {
   #around({ u, v, hits }) {
     const { sigma } = this.state, amplitude = swing(this.state), vs = [...v, ...hits.flatMap((hit) => [hit.before, hit.after])];
     const [low, high] = [Math.min(...vs, 0), Math.max(...vs, 0)];
-    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
+    const top = this.state.two ? this.state.sigma_B + amplitude : Math.max(...u, sigma + amplitude + 0.05 * unit()), room = 0.08 * (high - low) || 0.1, bottom = sigma - amplitude;
     return [bottom - 0.06 * (top - bottom), top + 0.06 * (top - bottom), low - room, high + room];
   }
 
@@ -236,7 +244,8 @@ export class BallView {
   #fly(begun, turns) {
     this.flight = new Flight(this.machine, this.model, begun);
     this.#turns = turns;
-    this.company.begin(`${this.key}`);
+    this.#next = Math.floor(turns - this.section + 1e-9) + 1;
+    this.company.begin();
   }
 
   /** What a ball on a periodic orbit has done before: the same, so many periods ago. */
@@ -265,9 +274,11 @@ export class BallView {
 
   /** Move the ball on by a time. @param {number} time */
   #advance(time) {
-    const { flight, T, section } = this, from = this.now;
-    const next = (Math.floor(this.#clock(from) - section + 1e-9) + 1 + section - this.#turns) * T; // when it passes the section
-    const gone = flight.advance(time, next <= from + time ? [next] : []);
+    const { flight, T, section } = this, until = this.now + time;
+    /** When it passes the section. @type {number[]} */
+    const passes = [];
+    for (let at; (at = (this.#next + section - this.#turns) * T) <= until; this.#next++) passes.push(at);
+    const count = passes.length, gone = flight.advance(time, passes);
     if (!gone) {
       this.problem("The ball cannot be followed further: its orbit ended.");
       return this.play(false);
@@ -277,7 +288,8 @@ export class BallView {
     times.forEach((t, i) => {
       for (; hit < hits.length && hits[hit].t <= t; hit++) this.trail.push([hits[hit].place, hits[hit].before], null, [hits[hit].place, hits[hit].after]);
       this.trail.push([u[i], v[i]]);
-      if (t === next) {
+      if (t === passes[0]) {
+        passes.shift();
         this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
         this.company.passed([u[i], v[i]]);
       }
@@ -292,7 +304,7 @@ export class BallView {
     }
     this.flash.splice(0, Math.max(0, this.flash.length - 12));
     this.company.moved(time);
-    if (times.includes(next)) this.diagram.draw();
+    if (count) this.diagram.draw();
   }
 
   /** @param {boolean} on */
@@ -369,25 +381,27 @@ export class BallView {
 
   /** What there is, and what it does, in a visitor's words. */
   lead() {
-    const kicks = this.state.law !== "newton" && this.state.V > 0;
-    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, above = two && this.state.law !== "newton" && this.state.V_B > 0;
-    const where = two ? `between ${kicks && above ? "two bumpers that kick" : kicks ? "a bumper that kicks and a wall" : above ? "a wall and a bumper that kicks" : "two walls"}` : `above a ${kicks ? "bumper that kicks" : "wall"}`;
+    const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, kick = kicks(this.state), own = ownOf(this.state);
+    const between = kick.below && kick.above ? "two bumpers that kick" : kick.below ? "a bumper that kicks and a wall" : kick.above ? "a wall and a bumper that kicks" : "two walls";
+    const where = own ? `${two ? "between two walls" : "above a wall"} with the law ${own.law}` : two ? `between ${between}` : `above a ${kick.below ? "bumper that kicks" : "wall"}`;
     return { headline: `A force pushes a ball up and down ${where}${moves ? `, which ${two ? "move" : "moves"}` : ""}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
   }
 
   summary() {
-    const { state } = this;
+    const { state } = this, own = ownOf(state);
+    const bumper = `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`;
+    const wall = own ? `a wall with the law ${own.law} of ${fileOf(own)}, ${own.own.map((name) => `${plain(name)} = ${numeral(valueOf(state, name))}`).join(", ")}` : kicks(state).below ? bumper : "a passive wall";
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `Ball against ${state.law === "newton" || state.V === 0 ? "a passive wall" : `a bumper with V = ${state.V}${state.law === "triggered" && state.trigger > 0 ? `, passive below the impact speed v_s = ${state.trigger}` : ""}`}, constant force d = ${numeral(state.offset, 15)}:` }];
-    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${state.law === "newton" ? "" : `, and kicks with V = ${numeral(state.V_B)}`}; a word names the walls that are hit.` });
+    const said = [{ text: `Ball against ${wall}, constant force d = ${numeral(state.offset, 15)}:` }];
+    if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${LAWS[state.law].includes("V") ? `, and kicks with V = ${numeral(state.V_B)}` : ""}; a word names the walls that are hit.` });
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
-    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
-    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.`.replaceAll("-", "−") });
+    said.push(...words(this.classes));
+    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.` });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     said.push(...this.company.said(plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)])));
-    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.`.replaceAll("-", "−") });
+    if (hits.length && hits.length <= 4) said.push({ text: `Hits at ${hits.map((hit) => `v = ${hit.before.toFixed(4)}, leaves with ${hit.after.toFixed(4)}`).join("; ")}.` });
     return said;
   }
 }

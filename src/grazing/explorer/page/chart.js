@@ -319,7 +319,7 @@ export class ChartView {
     if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
     const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
-    return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...this.search.classes.map((each) => ({ colour: periodColour(each.period), text: words(each) })), ...this.#periods()];
+    return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...words(this.search.classes), ...this.#periods()];
   }
 
   /** The periods that occur, all of them, and which of them share a colour. @returns {import("./state.js").Line[]} */

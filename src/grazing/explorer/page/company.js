@@ -12,7 +12,6 @@ const NAMED = 4;
 export class Company {
   rate = new Rate();
   /** @type {Twin | null} */ twin = null;
-  /** What the rate is measured at, as text. @type {string | undefined} */ #key = undefined;
 
   /** @param {import("./ball.js").BallView} view @param {import("./pool.js").Pool} pool */
   constructor(view, pool) {
@@ -36,11 +35,9 @@ export class Company {
     this.#tell();
   }
 
-  /** The ball flies on, in another way than before: what was measured is over. @param {string} key what it flies in, as text */
-  begin(key) {
-    if (key !== this.#key) this.rate.forget();
-    else this.rate.leave();
-    this.#key = key;
+  /** The ball flies on from elsewhere, or in another way than before: what was measured is over. */
+  begin() {
+    this.rate.forget();
     if (this.twin) this.#meet();
     this.#tell();
   }

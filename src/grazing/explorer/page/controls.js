@@ -1,6 +1,6 @@
 // @ts-check
 /** Sliders with number fields, made from the descriptions of parameters in kernels.json. */
-import { WORDS } from "./names.js";
+import { WORDS, pieces } from "./names.js";
 import { refusal, tidy } from "./state.js";
 
 /** @typedef {import("./machine.js").Field} Field */
@@ -17,16 +17,17 @@ export function symbolOf(field) {
   return [GREEK[name] ?? name, below ?? ""];
 }
 
-/** @param {Field} field */
+/** A symbol as `typeset` takes it. @param {Field} field */
 export function plainSymbol(field) {
-  return symbolOf(field).join("");
+  return symbolOf(field).filter(Boolean).join("_");
 }
+
+/** Nodes of a text, with its subscripts set below. @param {string} text */
+export const nodes = (text) => pieces(text).map((part, i) => (i % 2 ? Object.assign(document.createElement("sub"), { textContent: part }) : part));
 
 /** Write a text, with the subscripts of μ_PD and its like set below; what stands there already is left: it would be read aloud again. @param {HTMLElement} element @param {string} text */
 export function typeset(element, text) {
-  const parts = text.split(/_([A-Z]{2})\b/);
-  if (element.textContent === parts.join("")) return;
-  element.replaceChildren(...parts.map((part, i) => (i % 2 ? Object.assign(document.createElement("sub"), { textContent: part }) : part)));
+  if (element.textContent !== pieces(text).join("")) element.replaceChildren(...nodes(text));
 }
 
 let count = 0;
@@ -55,6 +56,7 @@ export function slider(field, [low, high], change, problem) {
     symbol.append(sub);
   }
   label.append(`${WORDS[field.name] ?? field.meaning} `, symbol);
+  if (field.units) label.append(`, ${field.units}`);
   label.title = field.meaning.replaceAll("^2", "²");
   const number = document.createElement("input");
   number.type = "number";
@@ -179,8 +181,8 @@ export function pair(text, change, problem, refused, equal = false) {
   });
   const name = (/** @type {string} */ symbol) => {
     called = symbol;
-    label.textContent = `${symbol} from, to`;
-    fields.forEach((field, i) => field.setAttribute("aria-label", `${symbol} ${["from", "to"][i]}`));
+    typeset(label, `${symbol} from, to`);
+    fields.forEach((field, i) => field.setAttribute("aria-label", `${symbol.replace("_", "")} ${["from", "to"][i]}`));
   };
   name(text);
   box.append(label, ...fields);

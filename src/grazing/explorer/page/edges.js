@@ -158,7 +158,7 @@ export class EdgesView {
         c.fill();
         c.stroke();
       }
-      const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(box.w < 500 ? 4 : 10))}`;
+      const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(4))}`;
       const wide = c.measureText(text).width, left = axes.x(l) + 6 + wide > box.x + box.w;
       const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 20 * k;
       c.fillStyle = theme().paper + "d0";
@@ -198,7 +198,7 @@ export class EdgesView {
   summary() {
     const { lam, l, mu, periods } = /** @type {State} */ (this.state);
     const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `At l = ${l}, μ = ${mu}, λ = ${lam}:` }]);
-    for (const each of this.classes ?? []) said.push({ colour: periodColour(each.period), text: words(each) });
+    said.push(...words(this.classes ?? []));
     if (l < 0) return [...said, { text: "The windows of theory are known for l ≥ 0." }];
     const { table } = this.machine.call("edges", { periods: periods[1], lam, l }, ["table"]);
     const last = Math.min(periods[1], periods[0] + SAID - 1);

@@ -18,10 +18,11 @@ export class Exits {
   /** Rows that are still to come at this side. */
   left = 0;
 
-  /** @param {HTMLCanvasElement} canvas @param {import("./pool.js").Pool} pool @param {(angle: number, speed: number) => void} choose @param {(text: string) => void} problem */
-  constructor(canvas, pool, choose, problem) {
-    this.axes = new Axes(canvas);
+  /** @param {HTMLCanvasElement} canvas @param {import("./pool.js").Pool} pool @param {() => void} counted what is done when shares are known, coarse or fine @param {(angle: number, speed: number) => void} choose @param {(text: string) => void} problem */
+  constructor(canvas, pool, counted, choose, problem) {
+    this.axes = new Axes(canvas, { top: 30 });
     this.pool = pool;
+    this.counted = counted;
     this.problem = problem;
     /** @type {(angle: number, speed: number) => void} */
     this.choose = (angle, speed) => {
@@ -86,6 +87,7 @@ export class Exits {
       this.#image = image;
       this.#side = side;
       this.shares = counts.map((n) => n / (side * side));
+      this.counted();
       this.draw();
     }
   }

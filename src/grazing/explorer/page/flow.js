@@ -1,9 +1,10 @@
 // @ts-check
 /** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
-import { periodColour, theme } from "./colours.js";
+import { theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { drawWindows, outwards, reach, windows } from "./gap.js";
 import { extent, linspace, normalForm } from "./jobs.js";
+import { ownOf } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
 import { allowed, later } from "./state.js";
@@ -149,8 +150,9 @@ export class FlowView {
    * @param {Pick<import("./diagram.js").Spec, "span" | "columns" | "starts" | "transient" | "keep" | "seed" | "tolerance" | "colour">} common
    */
   #reduce(state, row, which, field, common) {
-    this.form = still(state) ? normalForm(this.machine, row, which, field) : null;
-    this.why = this.form ? "" : !still(state) ? "The normal form is that of one wall at rest." : "No graze of the steady response is near: there is no normal form in this parameter.";
+    const own = ownOf(state);
+    this.form = still(state) && !own ? normalForm(this.machine, row, which, field) : null;
+    this.why = this.form ? "" : own ? `Of a law of your own, as ${own.law} is, gz.normal_form gives the normal form, in Python alone.` : !still(state) ? "The normal form is that of one wall at rest." : "No graze of the steady response is near: there is no normal form in this parameter.";
     this.windows = [];
     /** @type {import("./diagram.js").Spec | null} */
     let spec = null;
@@ -215,7 +217,7 @@ export class FlowView {
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At ${name} = ${value}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
-    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    said.push(...words(this.classes));
     if (this.form) {
       const { graze, lam, l } = this.form;
       const mu = this.form.mu(Float64Array.of(value))[0];

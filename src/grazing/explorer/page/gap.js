@@ -178,7 +178,7 @@ export class GapView {
     const { lam, mu, l } = this.state;
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At μ = ${mu}, λ = ${lam}, l = ${l}:` }];
-    for (const each of this.classes) said.push({ colour: periodColour(each.period), text: words(each) });
+    said.push(...words(this.classes));
     const own = walk(this.state), letters = own.slice(0, -1).map((x) => (x < 0 ? "L" : "R")).join("");
     if (letters) said.push({ text: `From x₀ = ${own[0]}: ${letters.length > 60 ? `…${letters.slice(-60)}` : letters}, now x = ${numeral(own[own.length - 1])}.` });
     const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);

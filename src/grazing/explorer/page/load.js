@@ -1,11 +1,11 @@
 // @ts-check
 /** Where the kernels come from, and who computes with them. */
 import { Here } from "./here.js";
-import { Machine } from "./machine.js";
+import { machineOf } from "./machine.js";
 import { Pool } from "./pool.js";
 import { addressOf } from "./where.js";
 
-/** @typedef {Record<string, Machine>} Machines */
+/** @typedef {Record<string, import("./machine.js").Machine>} Machines */
 /** @typedef {{problem: (text: string, about: string) => void, again: () => void}} Told what the page is told: a problem, and that all must be computed again */
 
 /** The workers or, where the browser starts none, the page in their place, which is said. @param {Machines} machines @param {Told} told */
@@ -42,6 +42,13 @@ function workers(machines, { problem, again }) {
 /** What is not there without a module. @type {Record<string, string>} */
 const WITHOUT = { gap: "The gap map is", oscillator: "The oscillator and the ball are", table: "The table is" };
 
+/** Fetch a module. @param {string} name */
+async function compiled(name) {
+  const file = await fetch(addressOf(`kernels/${name}`));
+  if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
+  return WebAssembly.compile(await file.arrayBuffer());
+}
+
 /** Fetch modules and start them, here and in the workers; what cannot be had is said. @param {Told} told @param {string[]} wanted */
 export async function load(told, wanted = ["gap", "oscillator"]) {
   const { problem } = told;
@@ -59,10 +66,8 @@ export async function load(told, wanted = ["gap", "oscillator"]) {
   await Promise.all(
     Object.entries(described.modules).filter(([name]) => wanted.includes(name)).map(async ([name, each]) => {
       try {
-        const file = await fetch(addressOf(`kernels/${each.file}`));
-        if (!file.ok) throw new Error(`${file.status} ${file.statusText}`);
-        const module = await WebAssembly.compile(await file.arrayBuffer());
-        machines[name] = new Machine(await WebAssembly.instantiate(module, {}), each);
+        const module = each.calls ? null : await compiled(each.file);
+        machines[name] = machineOf(module, each);
         pool.add(name, module, each);
       } catch (error) {
         problem(`The module ${each.file} could not be loaded (${error instanceof Error ? error.message : error}). ${WITHOUT[name]} not available; everything else works.`, name);

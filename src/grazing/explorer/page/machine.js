@@ -5,10 +5,10 @@
 /** @typedef {{name: string, sizes: string[], arguments: Argument[], result: string, meaning: string}} Described */
 /**
  * A parameter, or a choice, which has `choices` and no limits; null for no limit.
- * @typedef {{name: string, meaning: string, symbol?: string, low?: number | null, high?: number | null, open_low?: boolean, choices?: string[]}} Field
+ * @typedef {{name: string, meaning: string, symbol?: string, units?: string, low?: number | null, high?: number | null, open_low?: boolean, choices?: string[]}} Field
  */
-/** @typedef {{file: string, coordinates: string[], letters: string | null, fields: Field[], functions: Described[]}} Module */
-/** @typedef {{tolerance: number, modules: Record<string, Module>}} Kernels what kernels.json says, as far as the page reads it */
+/** `calls` is where the server computes, in place of a module. @typedef {{file: string, calls?: string, coordinates: string[], letters: string | null, fields: Field[], functions: Described[]}} Module */
+/** @typedef {{tolerance: number, modules: Record<string, Module>, model?: import("./laws.js").Model}} Kernels what kernels.json says, as far as the page reads it */
 
 /** @typedef {Float64Array<ArrayBuffer> | BigInt64Array<ArrayBuffer> | Int32Array<ArrayBuffer> | Int8Array<ArrayBuffer>} Numbers */
 /** @typedef {Float64Array<ArrayBuffer>} Floats */
@@ -96,3 +96,46 @@ export class Machine {
     return /** @type {any} */ (found);
   }
 }
+
+/** Calls kernels where the server computes, at once as in a module: the page waits for the answer. */
+export class Served extends Machine {
+  /** @param {Module} described */
+  constructor(described) {
+    super(/** @type {any} */ ({ exports: {} }), described);
+    this.address = new URL(`..${described.calls}`, location.href).href;
+  }
+
+  /**
+   * @template {keyof Arrays} [Name=never]
+   * @param {string} name @param {Given} given @param {Name[]} wanted
+   * @returns {Pick<Arrays, Name> & {result: number}}
+   */
+  call(name, given, wanted = []) {
+    const arrays = (this.functions.get(name)?.arguments ?? []).filter(({ shape }) => shape.length), read = arrays.filter((each) => given[each.name]);
+    const head = { name, numbers: Object.fromEntries(Object.entries(given).filter(([, value]) => typeof value === "number")), given: read.map((each) => each.name), wanted };
+    const text = new TextEncoder().encode(JSON.stringify(head));
+    const parts = [Uint32Array.of(text.length), text, ...read.map((each) => /** @type {Numbers} */ (given[each.name]))];
+    const request = new XMLHttpRequest();
+    request.open("POST", this.address, false);
+    request.setRequestHeader("Content-Type", "application/octet-stream");
+    request.overrideMimeType("text/plain; charset=x-user-defined"); // bytes as letters: a page that waits gets nothing else
+    try {
+      request.send(new Blob(parts));
+    } catch {
+      throw new Error("the server, which computes a law of your own, does not answer: run “grazing explore” again");
+    }
+    const bytes = Uint8Array.from(request.responseText, (letter) => letter.charCodeAt(0));
+    if (request.status !== 200) throw new Error(new TextDecoder().decode(bytes));
+    /** @type {Record<string, any>} */
+    const found = { result: new Float64Array(bytes.buffer, 0, 1)[0] };
+    let from = 8;
+    for (const { name: key, kind, shape } of arrays.filter((each) => wanted.includes(/** @type {Name} */ (each.name)))) {
+      const length = shape.reduce((/** @type {number} */ product, size) => product * whole(size, given), 1), view = VIEWS[kind];
+      found[key] = new view(bytes.slice(from, (from += length * view.BYTES_PER_ELEMENT)).buffer);
+    }
+    return /** @type {any} */ (found);
+  }
+}
+
+/** What calls kernels: a module that runs here, or the server in its place. @param {WebAssembly.Module | null} module @param {Module} described */
+export const machineOf = (module, described) => (module ? new Machine(new WebAssembly.Instance(module, {}), described) : new Served(described));

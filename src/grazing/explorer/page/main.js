@@ -3,18 +3,20 @@
 import { BallView } from "./ball.js";
 import { ChartView } from "./chart.js";
 import { dark } from "./colours.js";
-import { plainSymbol, typeset } from "./controls.js";
+import { nodes, plainSymbol, typeset } from "./controls.js";
 import { EdgesView } from "./edges.js";
 import { FlowView } from "./flow.js";
 import { GapView } from "./gap.js";
 import { guided } from "./guide.js";
+import { BROUGHT, above, fileOf, ofLaws, ownOf } from "./laws.js";
 import { load } from "./load.js";
+import { WORDS } from "./names.js";
 import { panel } from "./panel.js";
 import { Pinned } from "./pinned.js";
 import { PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
-import { DEFAULTS, VARIED, allowed, fromFragment, mended, narrowest, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
+import { DEFAULTS, VARIED, adopt, allowed, fromFragment, mended, narrowest, opening, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
 import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
@@ -146,7 +148,10 @@ function refresh() {
     console.error(error);
     // neither words nor picture of another state
     $("summary").replaceChildren();
-    for (const { sheet } of current()?.panels() ?? []) sheet.canvas.width += 0; // which clears it
+    const [first, ...others] = (current()?.panels() ?? []).map(({ sheet }) => sheet);
+    for (const sheet of others) sheet.begin();
+    first?.say(`No picture: ${wordsOf(error)}.`);
+    if (first) first.canvas.dataset.stage = "failed";
   }
 }
 
@@ -161,16 +166,16 @@ function render() {
     control.set(part(state, name));
     if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
-  for (const name of ["theory", "reduced"]) controls[name].box.hidden ||= state.view === "oscillator" && !still(state); // there is no normal form
+  for (const name of ["theory", "reduced"]) controls[name].box.hidden ||= state.view === "oscillator" && (!still(state) || Boolean(ownOf(state))); // there is no normal form
   const had = varied(state);
-  for (const name of ["V", "trigger", "sigma_B", "r_B", "V_B", "trigger_B"]) controls[name].box.hidden = !had.includes(name);
+  for (const name of VARIED.filter((each) => above(each) || ofLaws(each))) controls[name].box.hidden = !had.includes(name);
   for (const axis of ["vary", "second"]) controls[axis].offer?.(had);
   controls.window.name?.(state.coordinate);
   if (fields[state.second]) controls.heights.name?.(plainSymbol(fields[state.second]));
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
-  typeset($("hint"), (!still(state) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
+  typeset($("hint"), ((!still(state) || ownOf(state)) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
   if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);
@@ -225,12 +230,13 @@ function spanSliders(diagram) {
 }
 
 /** A text after a chip of its colour. @param {import("./state.js").Line} line */
-function chipped({ colour, text }) {
-  if (!colour) return [text];
-  const chip = document.createElement("i");
+function chipped({ colour, text, exact = "" }) {
+  const chip = document.createElement("i"), rest = document.createElement("span");
   chip.className = "chip";
-  chip.style.background = colour;
-  return [chip, text];
+  chip.style.background = colour ?? "";
+  rest.className = "exact";
+  rest.textContent = exact;
+  return [...(colour ? [chip] : []), ...nodes(text.replace(/(?<!\w)-(?=\d)/g, "−")), ...(exact ? [rest] : [])];
 }
 
 /** Say in words what is shown. */
@@ -243,6 +249,9 @@ function tell() {
   if (lead) {
     $("headline").textContent = lead.headline;
     $("lead").replaceChildren(...lead.said.flatMap(chipped));
+    const word = WORDS[state.vary], text = state.vary.includes(".") ? word : `the ${word}`;
+    if ($("turned").textContent !== text) $("turned").textContent = text;
+    $("turned").nextElementSibling.textContent = plainSymbol(fields[state.vary]);
   }
   spanSliders(diagram);
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
@@ -309,7 +318,8 @@ function build() {
   const again = () => (failed ? refresh() : page.repaint());
   stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
-  new ResizeObserver(again).observe($("figures"));
+  const sizes = new ResizeObserver(again);
+  for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }
 
 /** Take the state from the link. @param {string} hash */
@@ -318,8 +328,8 @@ function read(hash) {
   stepped = false;
   linked = hash;
   const { state: found, problems: wrong } = fromFragment(hash, fields);
-  state = found;
-  home = zoomedOut(found);
+  state = hash.length > 1 ? found : opening();
+  home = zoomedOut(state);
   anew();
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
@@ -342,6 +352,11 @@ async function begin() {
   pool = loaded.pool;
   if (!document.createElement("canvas").getContext("2d")) problem("This browser gives the page no canvas: pictures cannot be drawn. What is shown is said in words below, and what is copied is right all the same.", "canvas");
   for (const module of Object.values(described.modules)) for (const field of module.fields) fields[field.name] = field;
+  if (described.model) {
+    const { name, state: shown } = described.model;
+    adopt(described.model);
+    PRESETS[name] = { title: `of ${fileOf(described.model)}`, state: shown };
+  }
   const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };
   if (machines.gap && pool) {
     views.gap = new GapView(machines.gap, pool, described, events);

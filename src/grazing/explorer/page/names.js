@@ -9,3 +9,6 @@ export const WORDS = {
   sigma_B: "height of the upper wall", r_B: "bounce above", V_B: "kick from above", trigger_B: "least hit above that kicks", cos_A: "walls move", sin_A: "walls move, shifted",
   lam: "slope", l: "gap", mu: "distance from the graze", u0: "start: height", v0: "start: velocity",
 };
+
+/** A text and the subscripts in it, in turn: those of one letter, as μ_PD and σ_B. @param {string} text */
+export const pieces = (text) => text.split(/(?<!\w\w)_([A-Z]{1,2}|\d|sB?)\b/);

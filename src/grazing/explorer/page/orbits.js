@@ -1,5 +1,6 @@
 // @ts-check
 /** The orbits that random starts settle on at one parameter value, in words, and the search for them. */
+import { periodColour } from "./colours.js";
 import { found } from "./jobs.js";
 import { numeral } from "./state.js";
 import { crossings } from "./walls.js";
@@ -87,16 +88,16 @@ function impactsOf({ impacts, word, length, period }) {
   return /[CS]/.test(word) ? `, impacts that die away in completed chatter${word.includes("S") ? ", and rest on the wall" : ""}` : "";
 }
 
-/** A class in words. @param {Class} each */
-export function words(each, starts = 16) {
-  const share = `${Math.round(each.share * starts)} of ${starts} starts`;
-  if (each.period === -1) return `no period found (aperiodic as far as seen); ${share}`;
-  if (each.period === 0) return `undecided; ${share}`;
-  if (each.period < 0) return `orbit that ended; ${share}`;
+/** A class in words. @param {Class} each @returns {import("./state.js").Line} */
+function line(each) {
+  const share = `${Math.round(16 * each.share)} of 16 starts`, colour = periodColour(each.period);
+  if (each.period < 1) return { colour, text: `${each.period === -1 ? "no period found (aperiodic as far as seen)" : each.period === 0 ? "undecided" : "orbit that ended"}; ${share}` };
   let text = `period-${each.period} orbit${impactsOf(each)}`;
   if (each.word) text += `, word ${each.word}`;
   if (each.multiplier !== undefined) text += `, multiplier ${numeral(each.multiplier, 7)}`;
   text += `; ${share}`;
-  if (each.period <= 6) text += `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map((each) => numeral(each, 7)).join(", ")})` : numeral(point[0], 7))).join(", ")}`;
-  return text;
+  return { colour, text, exact: each.period > 6 ? "" : `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map((each) => numeral(each, 7)).join(", ")})` : numeral(point[0], 7))).join(", ")}` };
 }
+
+/** Classes in words. @param {Class[]} classes */
+export const words = (classes) => classes.map(line);

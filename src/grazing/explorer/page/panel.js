@@ -1,6 +1,7 @@
 // @ts-check
 /** The controls of the page, in their places. */
-import { choice, pair, plainSymbol, slider, toggle } from "./controls.js";
+import { choice, pair, slider, symbolOf, toggle } from "./controls.js";
+import { BROUGHT, above, fileOf } from "./laws.js";
 import { WORDS } from "./names.js";
 import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, VERSION, fromFragment } from "./state.js";
 
@@ -25,15 +26,20 @@ export function panel(page) {
   const title = document.createElement("summary");
   title.textContent = "More settings";
   more.append(title);
-  controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"]], own("law"));
+  const { model } = BROUGHT, added = Object.keys(OSCILLATOR_EXTENTS).filter((name) => name.includes("."));
+  /** @type {[string, string][]} */
+  const brought = model?.own.length ? [[model.law, `${model.law} (of ${fileOf(model)})`]] : [];
+  for (const name of added) WORDS[name] = above(name) ? "your law’s, above" : "your law’s";
+  for (const [name, units] of Object.entries(model?.units ?? {})) if (units && units !== "1") fields[name].units = units;
+  controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"], ...brought], own("law"));
   place("oscillator-sliders").append(controls.law.box);
   controls.two = toggle("a second wall, above the ball", own("two"));
-  const first = ["offset", "V", "trigger", "r", "omega", "alpha", "k", "sigma_B", "r_B", "V_B", "trigger_B"];
+  const first = ["offset", ...added.filter((name) => !above(name)), "V", "trigger", "r", "omega", "alpha", "k", "sigma_B", "r_B", ...added.filter(above), "V_B", "trigger_B"];
   for (const name of [...first, ...Object.keys(OSCILLATOR_EXTENTS).filter((each) => !first.includes(each))]) {
     controls[name] = slider(fields[name], OSCILLATOR_EXTENTS[name], own(name), problem);
     (first.includes(name) ? place("oscillator-sliders") : more).append(controls[name].box);
   }
-  place("oscillator-sliders").append(controls.two.box, ...["sigma_B", "r_B", "V_B", "trigger_B"].map((name) => controls[name].box), more);
+  place("oscillator-sliders").append(controls.two.box, ...first.filter(above).map((name) => controls[name].box), more);
   const picture = place("picture");
   const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
     controls[name] = control;
@@ -44,7 +50,7 @@ export function panel(page) {
     return fromFragment(`version=${VERSION}&law=${law}&two=${two ? "yes" : "no"}&sigma=${sigma}&sigma_B=${sigma_B}&vary=${vary}&second=${second}&${key}=${text}`, fields).problems;
   });
   /** @type {[string, string][]} */
-  const axes = VARIED.map((name) => [name, `${WORDS[name]} ${plainSymbol(fields[name])}`]);
+  const axes = VARIED.map((name) => [name, `${WORDS[name]} ${symbolOf(fields[name]).join("")}`]);
   put("u0", slider({ name: "u0", symbol: "u_0", meaning: "start of the zero-time map", low: null, high: null, open_low: false }, [0, 0.5], own("u0"), problem));
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", axis("line", "u(0)"));

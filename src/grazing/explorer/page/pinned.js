@@ -3,6 +3,7 @@
 import { theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
 import { Diagram } from "./diagram.js";
+import { inscribe } from "./plot.js";
 import { kept, numeral, settingOf } from "./state.js";
 
 /** @typedef {import("./diagram.js").Spec} Spec */
@@ -94,7 +95,7 @@ export class Pinned {
     c.fillStyle = theme().ink;
     c.textAlign = "right";
     c.textBaseline = "top";
-    c.fillText(text, axes.box.x + axes.box.w, 4);
-    axes.canvas.setAttribute("aria-label", `The ${text}, on the scale of the diagram below`);
+    inscribe(c, text, axes.box.x + axes.box.w, 4);
+    axes.canvas.setAttribute("aria-label", `The ${text.replaceAll("_", "")}, on the scale of the diagram below`);
   }
 }

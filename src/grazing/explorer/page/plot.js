@@ -2,6 +2,7 @@
 /** Axes on a canvas: places of numbers, ticks, labels. */
 import { theme } from "./colours.js";
 import { scaleLinear } from "./d3.mjs";
+import { pieces } from "./names.js";
 import { Recorder } from "./svg.js";
 
 /** @typedef {import("./svg.js").Pen} Pen */
@@ -16,8 +17,8 @@ export const enlarged = () => (document.body.classList.contains("presenting") ? 
 
 /** Letters of a tick's number for which there is room; longer ones are told as what is left beside a common part. */
 const ROOM = 7;
-/** Ticks at most. */
-const MOST = 100;
+/** Ticks at most, and at least where double precision has them: one alone is no scale. */
+const MOST = 100, LEAST = 2;
 
 const minus = (/** @type {string} */ text) => text.replace("-", "−");
 const raised = (/** @type {number} */ power) => [...String(power)].map((each) => "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"["-0123456789".indexOf(each)]).join("");
@@ -27,7 +28,9 @@ const raised = (/** @type {number} */ power) => [...String(power)].map((each) =>
  * @param {number} low @param {number} high @param {number} about how many
  */
 export function scaled(low, high, about) {
-  const values = scaleLinear([low, high], [0, 1]).ticks(Math.min(Math.max(about, 1), MOST));
+  const { ticks } = scaleLinear([low, high], [0, 1]);
+  let values = ticks(Math.min(Math.max(about, 1), MOST));
+  for (let more = Math.max(about, 1) + 1; values.length < LEAST && more < MOST; more++) values = ticks(more);
   const step = values.length > 1 ? values[1] - values[0] : high - low;
   const places = 1 - Math.floor(Math.log10(step));
   const texts = (/** @type {number} */ base, /** @type {number} */ power) => values.map((value) => ({
@@ -46,6 +49,23 @@ export function scaled(low, high, about) {
 
 /** Ticks at round numbers. @param {number} low @param {number} high @param {number} about how many */
 export const ticks = (low, high, about) => scaled(low, high, about).ticks;
+
+/** Write a text as `fillText` does, with the subscripts of σ_B and its like set below. @param {Pen} c @param {string} text @param {number} x @param {number} y */
+export function inscribe(c, text, x, y) {
+  const parts = pieces(text), { font, textAlign: align } = c;
+  if (parts.length < 2) return c.fillText(text, x, y);
+  const as = (/** @type {number} */ i) => (c.font = i % 2 ? font.replace(/[\d.]+px/, (size) => `${Math.max(TEXT, 0.75 * parseFloat(size))}px`) : font);
+  const wide = parts.map((part, i) => (as(i), c.measureText(part).width));
+  let left = x - wide.reduce((sum, each) => sum + each, 0) * (align === "right" ? 1 : align === "center" ? 0.5 : 0);
+  c.textAlign = "left";
+  parts.forEach((part, i) => {
+    as(i);
+    c.fillText(part, left, y + (i % 2 ? 4 : 0));
+    left += wide[i];
+  });
+  c.font = font;
+  c.textAlign = align;
+}
 
 /** What is written at an axis whose numbers are scaled. @param {string} label @param {{base: number, power: number}} scale */
 function beside(label, { base, power }) {
@@ -163,7 +183,7 @@ export class Axes {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.textBaseline = "top";
-    const across = scaled(this.x0, this.x1, box.w / 95), upwards = scaled(this.y0, this.y1, box.h / 50);
+    const across = scaled(this.x0, this.x1, box.w / 130), upwards = scaled(this.y0, this.y1, box.h / 50);
     const edge = box.x + box.w + this.margin.right - 1;
     for (const { value, text } of across.ticks) {
       const x = this.x(value);
@@ -172,19 +192,23 @@ export class Axes {
     }
     c.textAlign = "right";
     c.textBaseline = "middle";
+    let last = Infinity;
     for (const { value, text } of upwards.ticks) {
-      c.fillRect(box.x - 5, this.y(value) - 0.5, 4, 1);
-      c.fillText(text, box.x - 8, this.y(value));
+      const y = this.y(value);
+      if (last - y < TEXT) continue; // in a low picture there is no room for it
+      c.fillRect(box.x - 5, y - 0.5, 4, 1);
+      c.fillText(text, box.x - 8, y);
+      last = y;
     }
     c.fillStyle = ink;
     c.font = "italic 17px Georgia, 'Times New Roman', serif";
     c.textBaseline = "bottom";
     c.textAlign = "right";
-    c.fillText(beside(labelX, across), box.x + box.w, box.y + box.h + 42);
+    inscribe(c, beside(labelX, across), box.x + box.w, box.y + box.h + 42);
     c.textAlign = "left";
     c.textBaseline = "top";
     const up = beside(labelY, upwards);
-    if (up === labelY) c.fillText(labelY, 6, 2);
+    if (up === labelY) inscribe(c, labelY, 6, 2);
     else {
       // too long for the margin: inside, over what is drawn, which is seen through
       c.globalAlpha = 0.75;
@@ -192,9 +216,23 @@ export class Axes {
       c.fillRect(box.x + 1, box.y + 1, c.measureText(up).width + 10, 22);
       c.globalAlpha = 1;
       c.fillStyle = ink;
-      c.fillText(up, box.x + 6, box.y + 3);
+      inscribe(c, up, box.x + 6, box.y + 3);
     }
     c.font = FONT;
+  }
+
+  /** Write words in place of a picture. @param {string} text */
+  say(text) {
+    const c = this.begin(), middle = [this.canvas.clientWidth / 2, this.canvas.clientHeight / 2].map((each) => each / this.zoom);
+    let lines = [""];
+    for (const word of text.split(" ")) {
+      const longer = `${lines[lines.length - 1]} ${word}`.trim();
+      lines = c.measureText(longer).width > Math.min(2 * middle[0] - 24, 560) ? [...lines, word] : [...lines.slice(0, -1), longer];
+    }
+    c.fillStyle = theme().faint;
+    c.textAlign = "center";
+    c.textBaseline = "middle";
+    lines.forEach((line, i) => c.fillText(line, middle[0], middle[1] + 20 * (i - (lines.length - 1) / 2)));
   }
 
   /** Say in a corner how far the picture is, if it is one that takes more than half a second. @param {number} share @param {number} begun in milliseconds */

@@ -6,7 +6,7 @@
  */
 
 import { JOBS } from "./jobs.js";
-import { Machine } from "./machine.js";
+import { machineOf } from "./machine.js";
 import { startWorker } from "./where.js";
 
 /** @typedef {typeof JOBS} Jobs */
@@ -28,8 +28,8 @@ export class Pool {
   /** @type {Task[]} */ waiting = [];
   /** @type {Map<number, Task & {worker: Worker, since: number}>} `since` when nobody waits for it, NaN while somebody does */ running = new Map();
   /** @type {Map<string, number>} */ batches = new Map();
-  /** @type {Record<string, Machine>} */ machines = {};
-  /** @type {{name: string, module: WebAssembly.Module, described: import("./machine.js").Module}[]} */ #given = [];
+  /** @type {Record<string, import("./machine.js").Machine>} */ machines = {};
+  /** @type {{name: string, module: WebAssembly.Module | null, described: import("./machine.js").Module}[]} */ #given = [];
   #scene = "";
   #looking = 0;
   /** Whether a worker could not be started, or broke: the page does what is still asked of the pool. */
@@ -61,9 +61,9 @@ export class Pool {
     return worker;
   }
 
-  /** Give a compiled module to all workers. @param {string} name @param {WebAssembly.Module} module @param {import("./machine.js").Module} described */
+  /** Give a compiled module, or null where the server computes, to all workers. @param {string} name @param {WebAssembly.Module | null} module @param {import("./machine.js").Module} described */
   add(name, module, described) {
-    this.machines[name] = new Machine(new WebAssembly.Instance(module, {}), described);
+    this.machines[name] = machineOf(module, described);
     const given = { name, module, described };
     this.#given.push(given);
     for (const worker of this.workers) worker.postMessage(given);

@@ -132,4 +132,6 @@ function named(axes, c, orbits) {
     c.fillText(name, left + 16, axes.box.y - 8);
     left += 34 + c.measureText(name).width;
   }
+  c.fillStyle = theme().faint;
+  if (orbits.length && left - 12 + c.measureText("starts").width < axes.box.x + axes.box.w) c.fillText("starts", left - 12, axes.box.y - 8);
 }

@@ -44,7 +44,7 @@ const panels = (page, view) => [...page.more(), ...view.panels()].filter(({ shee
 
 /** The picture on screen as an SVG file. @param {Page} page @param {View} view @param {State} state */
 function vectors(page, view, state) {
-  const about = `${view.summary().map(({ text }) => text).join("\n")}\n${toFragment(state)}`;
+  const about = `${view.summary().map(({ text, exact = "" }) => text + exact).join("\n")}\n${toFragment(state)}`;
   return svgOf(panels(page, view), { title: `grazing explorer: ${document.querySelector(`[data-view=${state.view}]`)?.textContent}`, about, paper: theme().paper });
 }
 

@@ -87,7 +87,7 @@ export class Sling {
       ArrowDown: () => this.#at(u, v - size * (y1 - y0), null), ArrowUp: () => this.#at(u, v + size * (y1 - y0), null),
       Enter: () => this.let(), Escape: () => this.#stop(),
     })[event.key];
-    if (!act) return;
+    if (!act || (event.key === "Escape" && !this.aim)) return;
     event.preventDefault();
     act();
   }

@@ -15,7 +15,9 @@ export function stage(again, key = "p") {
   let ours = false; // whether it is the page that ends the full screen, and not the browser's own key
   const all = (/** @type {boolean} */ on) => {
     classList.toggle("all", on);
-    more?.setAttribute("aria-expanded", String(on));
+    if (!more) return;
+    more.setAttribute("aria-expanded", String(on));
+    more.textContent = `${on ? "Fewer" : "All"} controls`;
   };
   const show = (/** @type {boolean} */ on) => {
     if (classList.contains("presenting") === on) return;

@@ -1,6 +1,7 @@
 // @ts-check
 /** The state of the page, and the same as the fragment of a link: `#version=2&view=gap&lam=0.34&...`. */
 
+import { BROUGHT, LAWS, above, below, ofLaws } from "./laws.js";
 import { TOUR } from "./tour.js";
 import { ROOM } from "./walls.js";
 
@@ -58,7 +59,7 @@ export const DEFAULTS = {
 };
 
 /** @typedef {typeof DEFAULTS} State */
-/** @typedef {{colour?: string, text: string}} Line a line of what is shown, in words, with a chip of colour */
+/** @typedef {{colour?: string, text: string, exact?: string}} Line a line of what is shown, in words, with a chip of colour; `exact` is what nobody reads from afar */
 /** @typedef {{change: (part: object) => import("./gestures.js").Undo, problem: (text: string) => void, done: () => void}} Events what a view tells the page */
 
 /** In place of what a view gets when it is shown for the first time. @returns {any} */
@@ -69,7 +70,7 @@ const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transien
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
 const SWITCHES = ["two", "reduced", "theory", "colour", "twin", "sweeps"];
 /** @type {Record<string, string[]>} */
-const CHOICES = { view: VIEWS, law: ["newton", "active", "triggered"], coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
+const CHOICES = { view: VIEWS, law: Object.keys(LAWS), coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
 /** Characters of a link beyond which none is ours, and parts of one that are explained: what is shown is read by somebody. */
 const LONGEST_LINK = 10_000, EXPLAINED = 8;
@@ -81,10 +82,27 @@ const PINNABLE = ["gap", "oscillator"], PASSING = /** @type {const} */ (["pinned
 export const LONGEST_NOTE = 280;
 
 /** The parameters that a diagram can vary: those that the reset law and the walls have. @param {{law: string, two: boolean}} state */
-export const varied = ({ law, two }) => VARIED.filter((name) => (two || !name.endsWith("_B")) && (law !== "newton" || !/^V/.test(name)) && (law === "triggered" || !name.startsWith("trigger")));
+export const varied = ({ law, two }) => VARIED.filter((name) => (two || !above(name)) && (!ofLaws(name) || LAWS[law].includes(below(name))));
+
+/** Take up a model of the user's own: its law, and how far its sliders reach. @param {import("./laws.js").Model} model */
+export function adopt(model) {
+  BROUGHT.model = model;
+  Object.assign(OSCILLATOR_EXTENTS, model.extents);
+  if (!model.own.length) return;
+  LAWS[model.law] = model.own;
+  CHOICES.law.push(model.law);
+  for (const name of Object.keys(model.extents).filter((each) => each.includes("."))) {
+    VARIED.push(name);
+    Object.assign(DEFAULTS, { [name]: model.state[name] });
+  }
+}
+
+/** What the page opens on: its own state, or that of the model that was brought. @returns {State} */
+export const opening = () => ({ ...structuredClone(DEFAULTS), ...structuredClone(BROUGHT.model?.state) });
 
 /** The whole of an axis of the oscillator. @param {"reach" | "heights"} axis @param {string} name of its parameter @returns {Pair} */
 export function wholeOf(axis, name) {
+  if (BROUGHT.model) return OSCILLATOR_EXTENTS[name];
   return name === (axis === "reach" ? DEFAULTS.vary : DEFAULTS.second) ? DEFAULTS[axis] : OSCILLATOR_EXTENTS[name];
 }
 
@@ -136,7 +154,7 @@ export function allowed(field, [low, high]) {
 function read(key, text, fields) {
   const number = (/** @type {string} */ word) => (word.trim() === "" ? NaN : Number(word));
   if (CHOICES[key]) {
-    if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}`);
+    if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}${key === "law" ? ", and a law of one’s own on the page of “grazing explore --model”" : ""}`);
     return text;
   }
   if (SWITCHES.includes(key)) {
@@ -237,7 +255,7 @@ export function mended(state, fields, given = []) {
   /** @type {string[]} */
   const said = [];
   const say = (/** @type {string} */ key, /** @type {string} */ text) => given.includes(key) && said.push(text);
-  const without = (/** @type {string} */ key, /** @type {string} */ name) => say(key, `${key}=${name}; ${name.endsWith("_B") && !state.two ? "there is no second wall" : `the law ${state.law} has no ${name}`}`);
+  const without = (/** @type {string} */ key, /** @type {string} */ name) => say(key, `${key}=${name}; ${above(name) && !state.two ? "there is no second wall" : `the law ${state.law} has no ${name}`}`);
   if (!names.includes(state.vary)) {
     without("vary", state.vary);
     Object.assign(state, { vary: DEFAULTS.vary, reach: DEFAULTS.reach, window: null });
@@ -285,7 +303,8 @@ export function toFragment(state) {
   const usual = /** @type {Record<string, unknown>} */ (DEFAULTS);
   const parts = [`version=${VERSION}`, `view=${state.view}`];
   for (const [key, value] of Object.entries(state)) {
-    if (key === "view" || JSON.stringify(value) === JSON.stringify(usual[key])) continue;
+    const own = key.includes(".") && LAWS[state.law].includes(below(key)) && (state.two || !above(key)); // the file may change
+    if (key === "view" || (!own && JSON.stringify(value) === JSON.stringify(usual[key]))) continue;
     const text = Array.isArray(value) ? value.join(":") : typeof value === "boolean" ? (value ? "yes" : "no") : value;
     parts.push(`${key}=${QUOTED.includes(key) ? encodeURIComponent(String(text)) : text}`);
   }

@@ -2,36 +2,43 @@
 /** The ball above its bumper, as the pen of a chart recorder: u over time, the word of impacts, and the force. */
 import { faded, theme } from "./colours.js";
 import { Past } from "./past.js";
-import { Axes } from "./plot.js";
+import { Axes, enlarged } from "./plot.js";
 import { numeral } from "./state.js";
 import { moved, swing } from "./walls.js";
 
 /**
  * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn; while the
  * ball is aimed, that in their place: the flight that begins at the turn `begins`, of `T` a turn.
- * @typedef {{past: Past, turn: number, section: number, u: number, walls: import("./walls.js").Walls, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
+ * @typedef {{past: Past, turn: number, section: number, u: number, walls: import("./walls.js").Walls & {law: string, V: number}, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
  */
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
-const TURN = 84, RIGHT = 96, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
+const TURN = 84, RIGHT = 108, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
+/** A height of the picture that has no room for the force. */
+const LOW = 240;
+/** What is left in the next frame of room that is no more needed. */
+const SETTLES = 0.9;
 /** Milliseconds for which an impact flashes. */
 const FLASH = 700;
 const FONT = "system-ui, sans-serif";
 
 export class Strip {
   /** Where the ball was drawn last, in CSS pixels. */ ball = [0, 0];
+  /** How high the picture reached last. */ #top = 0;
 
   /** @param {HTMLElement | null} canvas */
   constructor(canvas) {
-    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30, bottom: WORD + FORCE + BALL + 22 });
+    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30 });
   }
 
   /** @param {Scene} given */
   draw(given) {
-    const { axes } = this, c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
+    const { axes } = this, low = axes.canvas.clientHeight / enlarged() < LOW;
+    axes.margin.bottom = WORD + BALL + (low ? 8 : FORCE + 22);
+    const c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
     const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
     const turns = Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
-    const bottom = scene.walls.sigma - swing(scene.walls), top = Math.max(scene.top, scene.u);
+    const bottom = scene.walls.sigma - swing(scene.walls), top = this.#reach(scene, last - turns);
     // under a ceiling there is room for it and for the ball
     const above = scene.walls.two ? (CEILING / Math.max(1, box.h - CEILING)) * (top - bottom) : 0;
     axes.span(last - turns, last, bottom, top + above);
@@ -41,7 +48,7 @@ export class Strip {
     this.#marks(c, scene);
     if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.faint }, 1.6);
     this.#line(c, scene);
-    this.#force(c, scene, floor + WORD);
+    this.#force(c, scene, floor + WORD, low);
     if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
     if (scene.twin && !aim) this.#twin(c, scene.twin);
@@ -94,7 +101,15 @@ export class Strip {
     c.font = `15px ${FONT}`;
     c.textAlign = "right";
     c.textBaseline = "middle";
-    c.fillText("bumper", width - 12, floor + 7 + WORD / 2);
+    c.fillText(walls.law !== "newton" && walls.V > 0 ? "bumper" : "wall", width - 12, floor - 10);
+    c.fillStyle = shown.faint;
+    c.fillText("word", width - 12, floor + 7 + WORD / 2);
+  }
+
+  /** How high the picture reaches: a flight higher than those of now is seen until it has left, and then the rest grows into its room. @param {Scene} scene @param {number} from the turn at the left */
+  #reach({ past, top, u, live }, from) {
+    const wanted = past.line.reduce((most, point) => (point && point.turn >= from ? Math.max(most, point.u) : most), Math.max(top, u));
+    return (this.#top = live && wanted < this.#top ? wanted + (this.#top - wanted) * SETTLES : wanted);
   }
 
   /** The curve, fainter the longer ago. @param {import("./svg.js").Pen} c @param {Scene} scene */
@@ -144,29 +159,29 @@ export class Strip {
     }
   }
 
-  /** The force up to now, and its arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
-  #force(c, { turn, force, u }, above) {
+  /** The force up to now, where there is room for it, and its arrow at the ball. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} above */
+  #force(c, { turn, force, u }, above, low = false) {
     const { axes } = this, shown = theme(), steps = 160;
     const values = Array.from({ length: steps + 1 }, (_, i) => force(axes.x0 + (i / steps) * (axes.x1 - axes.x0)));
     const most = Math.max(...values.map(Math.abs), 1e-300), middle = above + 12 + FORCE / 2;
-    c.strokeStyle = shown.faint;
-    c.lineWidth = 1.6;
-    c.beginPath();
-    values.forEach((value, i) => {
-      const x = axes.box.x + (i / steps) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
-      if (i) c.lineTo(x, y);
-      else c.moveTo(x, y);
-    });
-    c.stroke();
-    c.font = `15px ${FONT}`;
-    c.fillStyle = shown.faint;
-    c.textAlign = "right";
-    c.textBaseline = "middle";
-    c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
+    c.strokeStyle = c.fillStyle = shown.faint;
+    if (!low) {
+      c.lineWidth = 1.6;
+      c.beginPath();
+      values.forEach((value, i) => {
+        const x = axes.box.x + (i / steps) * axes.box.w, y = middle - (value / most) * (FORCE / 2 - 4);
+        if (i) c.lineTo(x, y);
+        else c.moveTo(x, y);
+      });
+      c.stroke();
+      c.font = `15px ${FONT}`;
+      c.textAlign = "right";
+      c.textBaseline = "middle";
+      c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
+    }
     const push = (force(turn) / most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
     if (Math.abs(push) < 3) return;
     const side = Math.sign(push);
-    c.strokeStyle = shown.faint;
     c.lineWidth = 3;
     c.beginPath();
     c.moveTo(x, y);

@@ -185,18 +185,8 @@ export class StrobeView {
 
   #drawZero() {
     const { zero, four, flow } = this, state = /** @type {State} */ (this.state);
-    if (four) return drawZeroTime(zero, four, state.sigma, flow ?? []);
-    const c = zero.begin();
-    c.fillStyle = theme().faint;
-    c.textAlign = "center";
-    c.textBaseline = "middle";
-    const width = zero.canvas.clientWidth / zero.zoom;
-    let lines = [""];
-    for (const word of this.#still().join(" ").split(" ")) {
-      const longer = `${lines[lines.length - 1]} ${word}`.trim();
-      lines = c.measureText(longer).width > width - 24 ? [...lines, word] : [...lines.slice(0, -1), longer];
-    }
-    lines.forEach((line, i) => c.fillText(line, width / 2, zero.box.y + zero.box.h / 2 + 20 * (i - lines.length / 2)));
+    if (four) drawZeroTime(zero, four, state.sigma, flow ?? []);
+    else zero.say(this.#still().join(" "));
   }
 
   raster() {

@@ -6,7 +6,7 @@
  * @typedef {Pick<CanvasRenderingContext2D, "fillStyle" | "strokeStyle" | "lineWidth" | "lineJoin" | "globalAlpha" | "font" | "textAlign" | "textBaseline" | "imageSmoothingEnabled" | "setTransform" | "save" | "restore" | "beginPath" | "moveTo" | "lineTo" | "rect" | "arc" | "clip" | "stroke" | "fill" | "fillRect" | "strokeRect" | "fillText" | "setLineDash" | "drawImage" | "measureText">} Pen
  */
 /** @typedef {{canvas: HTMLCanvasElement, context: Pen, zoom?: number}} Sheet a canvas, what is drawn with on it, and how much it is enlarged */
-/** @typedef {{sheet: Sheet, draw: () => void}} Panel a sheet and how its picture is drawn once more */
+/** @typedef {{sheet: import("./plot.js").Axes, draw: () => void}} Panel a sheet and how its picture is drawn once more */
 
 const SIGNS = /** @type {Record<string, string>} */ ({ "&": "&amp;", "<": "&lt;", ">": "&gt;", '"': "&quot;" });
 /** @param {string} text */

@@ -50,7 +50,7 @@ let letters = new Map();
 let exits;
 /** @type {Edit} */
 let edit;
-const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54 });
+const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54, top: 30 });
 const still = matchMedia("(prefers-reduced-motion: reduce)");
 
 /** @param {string} text */
@@ -114,9 +114,7 @@ function sliders() {
   $("controls").replaceChildren(...made, slider({ name: "pace", words: "Slow motion", low: 0.05, high: 1, value: pace, told, set: (x) => (pace = x) }));
 }
 
-function basins() {
-  exits.show(game).then(shares);
-}
+const basins = () => exits.show(game);
 
 /** Say how the launches part. */
 function shares() {
@@ -124,10 +122,12 @@ function shares() {
   const parts = [...exits.names, "stays or goes away"].map((name, i) => {
     const chip = document.createElement("i");
     chip.style.setProperty("background", i < (exits.names?.length ?? 0) ? EXITS[i % EXITS.length] : theme().chaos);
-    return { chip, text: `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`, share: exits.shares?.[i] ?? 0 };
+    const line = document.createElement("span");
+    line.append(chip, `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`);
+    return { line, share: exits.shares?.[i] ?? 0 };
   });
   const most = parts.filter(({ share }) => share > 0).sort((a, b) => b.share - a.share).slice(0, 5);
-  $("shares").replaceChildren(...most.flatMap(({ chip, text }) => [chip, text]));
+  $("shares").replaceChildren(...most.flatMap(({ line }) => [line, " "]));
 }
 
 /** Show a table. @param {string} name @param {Record<string, number>} changes */
@@ -318,7 +318,7 @@ function spread() {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball to see near balls part.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText("Split the ball (G) to see near balls part.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
@@ -355,7 +355,7 @@ async function start() {
     machine = machines.table;
     if (!machine || !pool) return;
     pool.see("table");
-    exits = new Exits($("exits"), pool, (angle, speed) => {
+    exits = new Exits($("exits"), pool, shares, (angle, speed) => {
       const [x, y] = game.table.from;
       replaying = null;
       launch([x, y, speed * Math.cos(angle), speed * Math.sin(angle)]);

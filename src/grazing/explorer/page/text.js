@@ -1,5 +1,6 @@
 // @ts-check
 /** What is shown, as a Python program and as a command: both make exactly the raster on screen. */
+import { LAWS, ownOf, plain } from "./laws.js";
 import { PRESETS } from "./presets.js";
 import { DEFAULTS } from "./state.js";
 import { SWEEP } from "./sweeps.js";
@@ -23,24 +24,33 @@ export function isPinball(state) {
   return still(state) && state.law === "active" && amplitudes(state, "cos").length === 1 && amplitudes(state, "sin").length === 1 && state.sin1 === 0 && state.cos1 === 1 && state.sigma === 0 && ![state.vary, ...(state.view === "chart" ? [state.second] : [])].some((name) => /^(sin|cos|sigma)/.test(name));
 }
 
-/** How many numbers a law has. @type {Record<string, number>} */
-const LAWS = { newton: 1, active: 2, triggered: 3 };
-const OWN = ["sigma", "r", "V", "trigger"];
+/** The parameters of the lower wall. @param {State} state */
+const ofWall = ({ law }) => ["sigma", ...LAWS[law]];
+const WAVES = /** @type {const} */ (["cos1", "sin1", "cos2", "sin2", "cos3", "sin3"]);
+
+/** The model of the user's own whose parameters say all of a state: one wall, and no harmonics that it does not have. @param {State} state */
+function brought(state) {
+  const own = ownOf(state), turned = [state.vary, ...(state.view === "chart" ? [state.second] : [])];
+  return own && still(state) && WAVES.every((name) => name in own.names || (state[name] === 0 && !turned.includes(name))) ? own : null;
+}
+
+/** The parameters of a model of the user's own, by what it calls them. @param {State} state @param {import("./laws.js").Model} own @returns {[string, number][]} */
+const valuesOf = (state, own) => Object.entries(own.names).map(([field, name]) => [name, /** @type {any} */ (state)[field]]);
 
 const moves = (/** @type {State} */ { cos_A, sin_A }) => cos_A !== 0 || sin_A !== 0;
 
 /** What a model with walls calls a parameter. @param {State} state @param {string} name */
-function ofWalls({ two }, name) {
-  if (name.endsWith("_B")) return `B.${name.slice(0, -2)}`;
-  return two && OWN.includes(name) ? `A.${name}` : name;
+function ofWalls(state, name) {
+  if (/^\w+_B$/.test(name)) return `B.${name.slice(0, -2)}`;
+  return !state.two ? plain(name) : ofWall(state).includes(name) && !name.includes(".") ? `A.${name}` : name;
 }
 
 /** What a command calls a parameter. @param {State} state @param {string} name */
-const optionOf = (state, name) => (!still(state) ? ofWalls(state, name) : name === "offset" ? "d" : name);
+const optionOf = (state, name) => ownOf(state)?.names[name] ?? (!still(state) ? ofWalls(state, name) : name === "offset" ? "d" : name);
 
 /** Walls as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied */
 function wallOptions(state, varied) {
-  const own = OWN.slice(0, 1 + LAWS[state.law]), names = state.two ? [...own, ...own.map((name) => `${name}_B`)] : own;
+  const own = ofWall(state), names = state.two ? [...own, ...own.map((name) => `${name}_B`)] : own;
   const all = names.filter((name) => !varied.includes(name)).map((name) => `${ofWalls(state, name)}=${/** @type {any} */ (state)[name]}`);
   const motion = moves(state) ? (state.two ? ["A", "B"] : ["A"]).map((name) => ` ${name}.cos=${state.cos_A} ${name}.sin=${state.sin_A}`).join("") : "";
   return `--walls A=${state.law}${state.two ? `,B=${state.law}` : ""} ${all.join(" ")}${motion}`;
@@ -51,11 +61,18 @@ function model(state) {
   if (isPinball(state)) {
     return `gz.pinball(alpha=${state.alpha}, k=${state.k}, omega=${state.omega}, t0=${state.t0}, d=${state.offset}, r=${state.r}, V=${state.V})`;
   }
-  const lawOf = (/** @type {number[]} */ ...own) => `gz.${state.law}(${own.slice(0, LAWS[state.law]).join(", ")})`, law = lawOf(state.r, state.V, state.trigger);
+  const own = ownOf(state), given = brought(state);
+  if (given) return `own.replace(${valuesOf(state, given).map(([name, value]) => `${name}=${value}`).join(", ")})`;
+  /** The law of a wall: the lower one, or the upper. @param {(name: string) => string} at */
+  const lawOf = (at) => {
+    const values = LAWS[state.law].map((name) => [plain(name), /** @type {any} */ (state)[at(name)]]);
+    return own ? `own.reset.replace(${values.map(([name, value]) => `${name}=${value}`).join(", ")})` : `gz.${state.law}(${values.map(([, value]) => value).join(", ")})`;
+  };
+  const law = lawOf((name) => name);
   const cos = amplitudes(state, "cos"), sin = amplitudes(state, "sin");
   if (!still(state)) {
     const motion = moves(state) ? `, motion=gz.Forcing(${state.omega}, ${state.t0}, cos=(${state.cos_A},), sin=(${state.sin_A},))` : "";
-    const upper = state.two ? `, gz.wall(${state.sigma_B}, ${lawOf(state.r_B, state.V_B, state.trigger_B)}, side="above"${motion})` : "";
+    const upper = state.two ? `, gz.wall(${state.sigma_B}, ${lawOf((name) => (name.includes(".") ? `B.${plain(name)}` : `${name}_B`))}, side="above"${motion})` : "";
     return `gz.Oscillator(\n    ${state.alpha}, ${state.k}, forcing=gz.Forcing(${state.omega}, ${state.t0}, ${state.offset}, ${numbers(cos)}, ${numbers(sin)}),\n    walls=[gz.wall(${state.sigma}, ${law}${motion})${upper}],\n)`;
   }
   return `gz.Oscillator(${state.alpha}, ${state.k}, gz.Forcing(${state.omega}, ${state.t0}, ${state.offset}, ${numbers(cos)}, ${numbers(sin)}), ${law}, ${state.sigma})`;
@@ -63,8 +80,10 @@ function model(state) {
 
 /** What the model calls a parameter. @param {State} state @param {string} name */
 function calledIn(state, name) {
+  const given = brought(state);
+  if (given) return given.names[name];
   if (!still(state)) return ofWalls(state, name);
-  return name === "offset" && isPinball(state) ? "d" : name;
+  return name === "offset" && isPinball(state) ? "d" : plain(name);
 }
 
 const called = (/** @type {State} */ state) => calledIn(state, state.vary);
@@ -77,9 +96,15 @@ export function isFigure(state, name) {
 
 /** The oscillator of a state as options of a command, without the parameters that vary. @param {State} state @param {string[]} varied @param {boolean} section whether there is one */
 function options(state, varied, section = true) {
+  const given = brought(state);
+  if (given) {
+    const left = varied.map((name) => given.names[name]);
+    const values = valuesOf(state, given).filter(([name]) => !left.includes(name)).map(([name, value]) => `${name}=${value}`);
+    return `--model ${/^[\w./:-]+$/.test(given.said) ? given.said : `'${given.said.replaceAll("'", "'\\''")}'`} ${values.join(" ")}${section ? ` --phase=${state.phase}` : ""}`;
+  }
   /** @type {Record<string, number>} */
   const own = { alpha: state.alpha, k: state.k, omega: state.omega, t0: state.t0, [optionOf(state, "offset")]: state.offset };
-  for (const name of still(state) ? OWN.slice(0, 1 + LAWS[state.law]) : []) own[name] = /** @type {any} */ (state)[name];
+  for (const name of still(state) ? ofWall(state) : []) own[name] = /** @type {any} */ (state)[name];
   if (section) own.phase = state.phase;
   for (const name of varied) delete own[optionOf(state, name)];
   const text = Object.entries(own).map(([name, value]) => `${name === "offset" ? "" : "--"}${name}=${value}`).join(" ");
@@ -94,13 +119,15 @@ export function steps(state) {
 
 /** A Python program that computes and draws the picture. @param {State} state @param {Raster} raster */
 export function python(state, raster) {
-  const head = "import numpy as np\n\nimport grazing as gz\n\n";
+  const own = state.view === "gap" || state.view === "edges" || (state.view === "chart" && state.chart === "gap") ? null : ownOf(state);
+  const bare = `${own ? "import runpy\n\n" : ""}import grazing as gz\n\n${own ? `own = runpy.run_path(${JSON.stringify(own.file)})["${own.name}"]\n` : ""}`;
+  const head = bare.replace("import grazing", "import numpy as np\n\nimport grazing");
   if (state.view === "ball" && state.sweeps) {
     const name = called(state), [from, to] = state.reach, { values, transient, keep } = SWEEP;
     return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nvalues = np.linspace(${from}, ${to}, ${values})\nfigure, panels = gz.plot.panels(174, 120, rows=2, sharex=True)\nresult = {}\nfor sweep, ax in zip(("up", "down"), panels, strict=True):\n    result[sweep] = gz.orbit_diagram(\n        P, "${name}", values, starts=1, transient=${transient}, keep=${keep}, seed=${state.seed}, sweep=sweep, arithmetic="strict"\n    )\n    gz.plot.orbit_diagram(result[sweep], ax)\ngz.plot.save(figure, "sweeps.png")\n`;
   }
   if (state.view === "ball") {
-    return `import grazing as gz\n\nm = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${raster.start}, ${raster.start} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
+    return `${bare}m = ${model(state)}\nresult = gz.trajectory(m, (${raster.u}, ${raster.v}), ${raster.start}, ${raster.start} + ${raster.periods} * m.period)\ngz.plot.save(gz.plot.trajectory(result), "ball.png")\n`;
   }
   if (state.view === "strobe") {
     const zeroTime = `four = gz.zdm_points(m, (${state.u0}, ${state.v0}), phase=${state.phase})\ngz.plot.save(gz.plot.zdm(four, sigma=${state.sigma}), "zero-time.png")\n`;
@@ -153,6 +180,10 @@ gz.plot.save(figure, "edges.png")
 
 /** The same as a command. @param {State} state @param {Raster} raster */
 export function command(state, raster) {
+  const own = ownOf(state);
+  if (own && !brought(state) && state.view !== "gap" && state.view !== "edges" && !(state.view === "chart" && state.chart === "gap")) {
+    return `# a command has the oscillator of ${own.said} as it is, with one wall at rest and its own harmonics: copy the Python program`;
+  }
   if (state.view === "strobe") return `grazing graph u=${raster.from}:${state.line[1]}:${raster.samples} --fixed v=${state.v0} --order ${state.order} --coordinate ${state.coordinate} ${options(state, [])} -o graph.png`;
   if (state.view === "edges") {
     const [first, last] = state.periods;

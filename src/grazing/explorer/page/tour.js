@@ -19,8 +19,8 @@ export const TOUR = [
   },
   {
     title: "The graze",
-    text: "Let d fall. At d = k²a = 0.1309618693 the lowest point of the swing just touches the wall: the graze. Let it fall by a hair more: the ball now touches at almost no speed, and the bumper adds its kick V.",
-    state: { ...STANDARD, view: "ball", offset: 0.131, reach: [0.131, 0.16] },
+    text: "Let d fall to the left end of its slider. A hair beyond, at d = k²a ≈ 0.13096, the lowest point of the swing just touches the wall: the graze. Let it fall by a hair more: the ball touches at almost no speed, and the bumper adds its kick V.",
+    state: { ...STANDARD, view: "ball", offset: 0.14, reach: [0.131, 0.16] },
     question: {
       ask: "How far does the motion change?",
       choices: ["By a hair: the touch is slight", "At once by much"],
@@ -115,11 +115,11 @@ export const TOUR = [
   },
   {
     title: "Chatter",
-    text: "No kick, and a steady push towards the wall: d = −0.5. Each hit returns 70 % of the speed.",
+    text: "No kick, and a steady push towards the wall: d = −0.5. Each hit returns 70 % of the speed, so one hop follows another, ever lower, without end: ∞ impacts.",
     state: { ...STANDARD, view: "ball", V: 0, r: 0.7, offset: -0.5, reach: [-0.6, 0.1] },
     question: {
-      ask: "How many hits does the ball make before it lies still on the wall?",
-      choices: ["About five", "About eighty", "Infinitely many, in a finite time"],
+      ask: "Does the ball ever lie still on the wall?",
+      choices: ["No: after each hop comes another", "Only as far as one can see", "Yes, after a finite time"],
       right: 2,
       told: "Each flight is about 0.7 times as long as the one before: a geometric series, whose infinitely many terms have a finite sum. Then the ball rests until the force lifts it. C in the word stands for such a chatter.",
       shown: {},

@@ -13,6 +13,8 @@ const NEAR = 0.012, APART = 0.3, LEFT = 6;
 const SMALL = 1e-7;
 /** Turns that are passed over, in which what is near turns into the direction that grows most. */
 const WARM = 3;
+/** Turns in which the rate is still that of a few. */
+const FEW = 8;
 
 /** The rate at which near orbits part, by one of them that is brought near again after each turn (Benettin et al., Meccanica 15 (1980) 9-20). */
 export class Rate {
@@ -23,11 +25,6 @@ export class Rate {
 
   forget() {
     this.#sum = this.turns = this.#passed = 0;
-    this.#near = null;
-  }
-
-  /** The ball goes on from elsewhere: the turn that is under way does not count. */
-  leave() {
     this.#near = null;
   }
 
@@ -65,6 +62,7 @@ export class Rate {
     const { exponent, turns } = this;
     if (!turns) return "The twin begins near the ball …";
     const over = `over ${turns} push${turns === 1 ? "" : "es"}`;
+    if (turns < FEW && exponent !== -Infinity) return `So far λ = ${numeral(exponent, 2)} a push, ${over}.`;
     if (exponent === -Infinity) return `Near balls meet exactly (λ = −∞, ${over}).`;
     const what = Math.abs(exponent) < 0.01 ? "Near balls stay as far apart" : exponent > 0 ? "Near balls part" : "Near balls come together";
     return `${what}: λ = ${numeral(exponent, turns < 30 ? 2 : 3)} a push, ${over}.`;

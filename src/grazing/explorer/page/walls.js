@@ -1,6 +1,8 @@
 // @ts-check
 /** The walls: one below the ball, or two, which may move together. */
 
+import { kicks } from "./laws.js";
+
 /** What of a state says where they are. @typedef {{two: boolean | number, sigma: number, sigma_B: number, cos_A: number, sin_A: number, omega: number, t0: number}} Walls */
 
 /** Walls come no nearer to each other. */
@@ -23,13 +25,14 @@ export const ceiling = ({ two, sigma_B }) => (two ? sigma_B : Infinity);
 
 /**
  * How often a ball between two walls hits them in a period, about: it crosses the room as fast as kicks and bounces make it, or the
- * force alone. 0 for one wall.
+ * force alone, and the walls come towards it by four swings. 0 for one wall.
  * @param {Walls & {law: string, r: number, r_B: number, V: number, V_B: number, cos1: number, sin1: number}} state
  */
-export function crossings({ two, sigma, sigma_B, omega, law, r, r_B, V, V_B, cos1, sin1 }) {
+export function crossings(state) {
+  const { two, sigma, sigma_B, omega, law, r, r_B, V, V_B, cos1, sin1 } = state;
   if (!two) return 0;
-  const kicks = law === "newton" ? 0 : (V * (1 + r_B) + V_B * (1 + r)) / (2 * Math.max(1 - r * r_B, 0.05));
-  return ((2 * Math.PI) / omega) * Math.max(kicks, Math.hypot(cos1, sin1) / omega / 2) / Math.max(sigma_B - sigma, ROOM);
+  const kick = kicks({ law, V, V_B }), kicked = (Number(kick.below) * V * (1 + r_B) + Number(kick.above) * V_B * (1 + r)) / (2 * Math.max(1 - r * r_B, 0.05));
+  return (((2 * Math.PI) / omega) * Math.max(kicked, Math.hypot(cos1, sin1) / omega / 2) + 4 * swing(state)) / Math.max(sigma_B - sigma, ROOM);
 }
 
 /** A position that is not behind a wall at a time: the nearest one. @param {Walls} walls @param {number} u @param {number} t */

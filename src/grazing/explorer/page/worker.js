@@ -1,9 +1,9 @@
 // @ts-check
 /** A worker: gets compiled modules once, then jobs; answers each with its arrays or with the error in words. */
 import { JOBS } from "./jobs.js";
-import { Machine } from "./machine.js";
+import { machineOf } from "./machine.js";
 
-/** @type {Record<string, Machine>} */
+/** @type {Record<string, import("./machine.js").Machine>} */
 const machines = {};
 
 /** Send an answer; arrays go without being copied. @param {object} answer @param {ArrayBuffer[]} arrays */
@@ -11,9 +11,9 @@ const send = (answer, arrays = []) => /** @type {any} */ (self).postMessage(answ
 
 /** @param {MessageEvent<any>} event a module with its name and description, or a job of `pool.js` */
 self.onmessage = ({ data }) => {
-  if (data.module) {
+  if (data.described) {
     // at once, for a job may come next
-    machines[data.name] = new Machine(new WebAssembly.Instance(data.module, {}), data.described);
+    machines[data.name] = machineOf(data.module, data.described);
     return;
   }
   try {

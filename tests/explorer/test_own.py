@@ -1,0 +1,461 @@
+"""A reset law of the user's own in the explorer: compiled for the browser, or computed by the server, as in Python."""
+
+import http.client
+import json
+import re
+import struct
+import threading
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.cli.app import main
+from grazing.config.own import Named
+from grazing.explorer import own
+from grazing.explorer.build import shipped
+from grazing.explorer.calls import CALLS, LARGEST_CALL, Calls
+from grazing.explorer.oscillator import oscillator_module
+from grazing.explorer.server import server
+from grazing.explorer.webassembly import linker
+from grazing.kernel.content import digest
+from grazing.outcome import InputError, UserCodeError
+from grazing.studies.basins import basins
+from grazing.studies.chart import chart
+from grazing.studies.classify import TOLERANCE
+from grazing.studies.density import density
+from tests.explorer.browser import Shown
+from tests.explorer.machine import KINDS, Module, classes, draw, fields_of, orbits, raster, whole
+from tests.explorer.test_kernels import followed
+
+TEXT = """
+import math
+
+import grazing as gz
+
+
+def soft(v, p):
+    return -p.r * v / (1.0 - p.c * v) + p.kick
+
+
+model = gz.Oscillator(
+    0.3, 1.0, gz.Forcing(2.2, offset=0.12), gz.reset(soft, r=0.8, c=0.5, kick=0.2), sigma=-0.1
+)
+built_in = gz.Oscillator(0.3, 1.0, gz.Forcing(2.2, offset=0.12), gz.newton(0.7))
+four = gz.Oscillator(0.3, 1.0, gz.Forcing(2.2, cos=(1.0, 0.0, 0.0, 0.2)), gz.newton(0.7))
+damped = gz.Oscillator(-0.3, 1.0, gz.Forcing(2.2), gz.newton(0.7))
+two = gz.Oscillator(
+    0.3, 1.0, gz.Forcing(2.2), walls=[gz.wall(-1.0, gz.newton(0.7)), gz.wall(1.0, gz.newton(0.7), side="above")]
+)
+some_map = gz.gap_map(0.8, 0.1, 0.05)
+
+
+def summed(v, p):
+    return math.fsum((-p.r * v,))
+
+
+broken = gz.Oscillator(0.3, 1.0, gz.Forcing(2.2), gz.reset(summed, r=0.8))
+"""
+
+
+def called(described, name, given):
+    """A call of a kernel as the page sends it."""
+    arrays = [each for each in described[name]["arguments"] if each["shape"]]
+    numbers = {key: value for key, value in given.items() if not isinstance(value, np.ndarray)}
+    names = [each["name"] for each in arrays if each["name"] in given]
+    head = json.dumps({"name": name, "numbers": numbers, "given": names, "wanted": names}).encode()
+    return b"".join([struct.pack("<I", len(head)), head, *(given[key].tobytes() for key in names)])
+
+
+class Caller:
+    """A module whose functions the server computes."""
+
+    def __init__(self, calls, described):
+        self.calls, self.functions = calls, {each["name"]: each for each in described["functions"]}
+
+    def call(self, name, **given):
+        answer = self.calls(called(self.functions, name, given))
+        at = 8
+        for argument in self.functions[name]["arguments"]:
+            if argument["shape"]:
+                value = given[argument["name"]]
+                assert value.shape == tuple(whole(size, given) for size in argument["shape"])
+                found = np.frombuffer(answer[at : at + value.nbytes], KINDS[argument["kind"]])
+                value[...], at = found.reshape(value.shape), at + value.nbytes
+        assert at == len(answer)
+        return int(struct.unpack_from("<d", answer)[0])
+
+
+@pytest.fixture(scope="session")
+def file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("own") / "rig.py"
+    path.write_text(TEXT)
+    return path
+
+
+@pytest.fixture(scope="session")
+def model(file):
+    return own.checked(Named(f"{file}:model"))
+
+
+@pytest.fixture(scope="session")
+def told(model):
+    """What the page is told of the module."""
+    return own.described_module("oscillator", oscillator_module(model.reset))
+
+
+@pytest.fixture(scope="session")
+def caller(model, told):
+    return Caller(Calls(oscillator_module(model.reset).entries, "the law"), told)
+
+
+@pytest.fixture(
+    scope="session",
+    params=[
+        "server",
+        pytest.param(
+            "module", marks=[pytest.mark.long, pytest.mark.skipif(linker() is None, reason="no WebAssembly linker")]
+        ),
+    ],
+)
+def machine(request, file, model, told):
+    if request.param == "server":
+        return request.getfixturevalue("caller")
+    return Module(own.module_of(Named(f"{file}:model"), oscillator_module(model.reset), print), told)
+
+
+def rows_of(told, model, name, values, **more):
+    """Rows of the module for the model, of which one parameter takes values."""
+    fields, rows = fields_of(told), np.zeros((len(values), len(told["fields"])))
+    for i, value in enumerate(values):
+        params = {own.field_of(key) if key in model.reset.params else key: number for key, number in
+                  model.replace(**{name: value}).params.items()}  # fmt: skip
+        for key, number in {**params, "law": 3.0, **more}.items():
+            rows[i, fields.index(key)] = number
+    return rows
+
+
+# ---- the same numbers as in Python
+
+
+@pytest.mark.parametrize("name", ["c", "offset"])
+def test_a_diagram_is_that_of_python(machine, told, model, name):
+    values = np.linspace(0.05, 0.6, 7)
+    rows = rows_of(told, model, name, values)
+    want = density(gz.stroboscopic_map(model), name, values, bins=90, starts=5, transient=20, keep=30, seed=3,
+                   arithmetic="strict")  # fmt: skip
+    lanes = draw(machine, 2, rows, values, 5, 3)
+    low, high = want["u"].attrs["low"], want["u"].attrs["high"]
+    counts, ended, ambiguous = raster(machine, rows, lanes, 20, 30, 0, low, high, 90)
+    assert not ambiguous.any()
+    np.testing.assert_array_equal(counts[:, 1:-2], want["count"].values)
+    np.testing.assert_array_equal(ended, want["ended"].values)
+
+
+def test_orbits_and_starts_are_those_of_python(machine, told, model):
+    row, P = rows_of(told, model, "c", [0.5]), gz.stroboscopic_map(model)
+    boxes = np.empty((1, 2, 2))
+    machine.call("boxes", columns=1, rows=row.copy(), boxes=boxes)
+    assert boxes[0].tolist() == [list(pair) for pair in P.box]
+    lanes = draw(machine, 2, row, [0.5], 3, 1)
+    points, letters, outcomes = orbits(machine, row, lanes, 2, 7)
+    want = followed(P, lanes[0], 9)
+    np.testing.assert_array_equal(points[0], want[0][2:])
+    np.testing.assert_array_equal(letters[0], want[1][2:])
+    np.testing.assert_array_equal(outcomes[0, 0], want[2])
+
+
+def test_a_chart_is_that_of_python(machine, told, model):
+    values, kicks = np.linspace(0.1, 0.6, 3), [0.1, 0.3]
+    want = chart(gz.stroboscopic_map(model), {"c": values, "kick": kicks}, starts=4, transient=100, keep=64, seed=7,
+                 arithmetic="strict")  # fmt: skip
+    cells = np.array([(c, kick) for c in values for kick in kicks])
+    rows = np.concatenate([rows_of(told, model.replace(kick=kick), "c", [c]) for c, kick in cells])
+    lanes = draw(machine, 2, rows, cells, 4, 7)
+    points, letters, outcomes = orbits(machine, rows, lanes, 100, 64)
+    period, _key, _begin, _length, count, first = classes(machine, rows, points, letters, outcomes, TOLERANCE)
+    ranked = np.where(count > 0, np.take_along_axis(period, first, 1), -3)
+    wanted = want["period"].values.reshape(ranked.shape)
+    np.testing.assert_array_equal(np.where(ranked == -1, wanted, ranked), wanted)
+    assert (wanted[:, 0] > 0).any()
+
+
+def test_basins_are_those_of_python(machine, told, model):
+    P = gz.stroboscopic_map(model)
+    grid = {"u": np.linspace(*P.box[0], 4), "v": np.linspace(*P.box[1], 5)}
+    want = basins(P, grid, transient=300, arithmetic="strict", preimages=0)
+    states = np.array([(u, v) for u in grid["u"] for v in grid["v"]])
+    row = rows_of(told, model, "c", [0.5])
+    points, letters, outcomes = orbits(machine, row, np.ascontiguousarray(states.T[None]), 300, 64)
+    period, *_rest = classes(machine, row, points, letters, outcomes, TOLERANCE)
+    np.testing.assert_array_equal(period[0], want["period"].values[want["basin"].values.ravel()])
+
+
+def test_between_two_walls_each_has_the_law(machine, told, model):
+    walls = [gz.wall(-0.4, model.reset), gz.wall(0.6, model.reset.replace(c=0.1, kick=0.0), side="above")]
+    force = gz.Forcing(2.2, offset=0.12, cos=(1.0, 0.0, 0.0), sin=(0.0, 0.0, 0.0))
+    rattle = gz.Oscillator(0.3, 1.0, forcing=force, walls=walls)
+    P = gz.stroboscopic_map(rattle)
+    above = {"two": 1.0, "sigma_B": 0.6, "r_B": 0.8, "B.c": 0.1, "B.kick": 0.0}
+    row = rows_of(told, model.replace(sigma=-0.4), "c", [0.5], **above)
+    boxes = np.empty((1, 2, 2))
+    machine.call("boxes", columns=1, rows=row.copy(), boxes=boxes)
+    assert boxes[0].tolist() == [list(pair) for pair in P.box]
+    lanes = draw(machine, 2, row, [0.5], 3, 1)
+    points, letters, outcomes = orbits(machine, row, lanes, 0, 6)
+    want = followed(P, lanes[0], 6)
+    np.testing.assert_array_equal(points[0], want[0])
+    np.testing.assert_array_equal(letters[0], want[1])
+    np.testing.assert_array_equal(outcomes[0, 0], want[2])
+
+
+# ---- what the page shows, and what it does not
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("four", "four has 4 harmonics; the explorer shows"),
+        ("damped", "damped has negative damping; the explorer shows"),
+        ("two", "two is a gz.Walled; the explorer shows a gz.Oscillator above one wall"),
+        ("some_map", "some_map is a gz.Map; the explorer shows a gz.Oscillator"),
+        ("none", "has no name 'none'; it has"),
+    ],
+)
+def test_what_the_page_cannot_show_is_said(file, tmp_path, name, said):
+    with pytest.raises(InputError) as refused:
+        own.prepared(f"{file}:{name}", tmp_path, False, print)
+    assert said in str(refused.value) and not list(tmp_path.iterdir())
+
+
+@pytest.mark.parametrize("given", ["pinball", "", "rig.py", "rig.py:"])
+def test_what_is_no_name_of_a_model_is_said_as_it_was_given(given, capsys):
+    assert main(["explore", "--model", given, "--no-open"]) == 2
+    assert f"'{given}'" in capsys.readouterr().err
+
+
+def test_a_law_that_does_not_compile_is_said(file):
+    law = own.checked(Named(f"{file}:broken")).reset
+    entries = [entry for entry in oscillator_module(law).entries if entry.name == "zero_time"]
+    with pytest.raises(UserCodeError, match=r"the reset law summed does not compile: .*fsum.*rig\.py"):
+        Calls(entries, "the reset law summed")
+
+
+def test_a_law_of_the_package_needs_no_compiler(file, tmp_path, monkeypatch):
+    monkeypatch.setattr(own, "linker", lambda: None)
+    assert own.prepared(f"{file}:built_in", tmp_path, True, pytest.fail) is None
+    known = json.loads((tmp_path / "kernels.json").read_text(encoding="utf-8"))
+    assert known["modules"] == shipped()["modules"] and known["model"]["own"] == []
+
+
+def test_a_copy_without_a_linker_says_what_to_install(file, tmp_path, monkeypatch, capsys):
+    monkeypatch.setattr(own, "linker", lambda: None)
+    monkeypatch.setattr("grazing.explorer.build.linker", lambda: None)
+    assert main(["explore", "--model", f"{file}:model", "--out", str(tmp_path / "page.html")]) == 2
+    assert "no WebAssembly linker: install lld" in capsys.readouterr().err and not list(tmp_path.iterdir())
+
+
+def test_a_law_that_was_compiled_before_is_known_again(file):
+    """What it is kept under is the same for the same text, also of kernels that hold compiled ones."""
+    kept = [
+        [digest(entry.kernel) for entry in oscillator_module(own.checked(Named(f"{file}:model")).reset).entries]
+        for _ in range(2)
+    ]
+    assert kept[0] == kept[1]
+
+
+# ---- nothing but calls of kernels is answered
+
+
+@pytest.fixture
+def asked():
+    """Send a POST to a server that computes, by what stands for kernels."""
+    with server(0, None, lambda body: body[::-1]) as ours:
+        thread = threading.Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.02})
+        thread.start()
+
+        def ask(body=b"abc", path=CALLS, **headers):
+            line = http.client.HTTPConnection("127.0.0.1", ours.server_address[1], timeout=10)
+            line.request("POST", path, body, {"Content-Type": "application/octet-stream", **headers})
+            answer = line.getresponse()
+            found = answer.status, answer.read()
+            line.close()
+            return found
+
+        ask.address = ours.address.removesuffix("/page/")
+        yield ask
+        ours.shutdown()
+        thread.join()
+
+
+def test_a_call_of_the_page_is_answered(asked):
+    assert asked() == (200, b"cba") == asked(Origin=asked.address)
+
+
+@pytest.mark.parametrize(
+    ("status", "given"),
+    [
+        (403, {"Origin": "http://example.org"}),
+        (403, {"Origin": "null"}),
+        (403, {"Origin": "http://127.0.0.1:1"}),
+        (403, {"Host": "example.org"}),
+        (403, {"Host": "example.org", "Origin": "http://example.org"}),
+        (404, {"path": "/page/"}),
+        (415, {"Content-Type": "text/plain"}),
+        (415, {"Content-Type": "application/x-www-form-urlencoded"}),
+        (411, {"Content-Length": "-1"}),
+        (411, {"Content-Length": "x"}),
+        (413, {"Content-Length": str(LARGEST_CALL + 1)}),
+    ],
+)
+def test_who_else_asks_is_refused(asked, status, given):
+    found, body = asked(**given)
+    assert found == status and b"cba" not in body
+
+
+def draws(told, **changed):
+    """A call that draws starts, with something changed in its head."""
+    given = {"columns": 1, "starts": 2, "axes": 1, "seed": 1, "names": np.zeros((1, 1)), "boxes": np.ones((1, 2, 2))}
+    body = called({each["name"]: each for each in told["functions"]}, "draw", given)
+    (size,) = struct.unpack_from("<I", body)
+    head = json.loads(body[4 : 4 + size])
+    head["numbers"] |= changed.pop("numbers", {})
+    text = json.dumps(head | changed).encode()
+    return struct.pack("<I", len(text)) + text + body[4 + size :]
+
+
+def test_what_is_no_call_is_refused_in_words(caller, told):
+    calls = caller.calls
+    good = draws(told)
+    assert len(calls(good)) == 8 + 8 + 32
+    wrong = [
+        b"", b"\0", b"\xff\xff\xff\xff", struct.pack("<I", 4) + b"null", struct.pack("<I", 9) + b"[" * 9,
+        struct.pack("<I", 10**5) + b"[" * 10**5, good[:-1], good + b"\0", draws(told, name="__init__"),
+        draws(told, name=["draw"]), draws(told, given=3), draws(told, wanted=3), draws(told, numbers={"columns": -1}),
+        draws(told, numbers={"columns": 0}), draws(told, numbers={"columns": 2**40}),
+        draws(told, numbers={"columns": 1.5}), draws(told, numbers={"columns": "1e9"}),
+        draws(told, numbers={"starts": 2**30}), draws(told, numbers={"seed": [1]}),
+        draws(told, numbers={"axes": 1e400}),
+    ]  # fmt: skip
+    for body in wrong:
+        with pytest.raises(InputError, match="this is no call of a kernel"):
+            calls(body)
+
+
+def test_numbers_that_would_lead_out_of_arrays_are_refused(caller, told, model):
+    row = rows_of(told, model, "c", [0.5])
+    lanes, state = np.zeros((1, 2, 1)), np.zeros(8)
+    sizes = {"columns": 1, "starts": 1, "keep": 2}
+    counts, few = {"counts": np.zeros((1, 7), np.int32)}, np.zeros((1, 1), np.int32)
+    density_ = {"columns": 1, "starts": 1, "rows": row, "lanes": lanes, "transient": 0, "keep": 1, "coordinate": 0,
+                "low": 0.0, "high": 1.0, "bins": 4, **counts, "ended": few[0], "ambiguous": few[0]}  # fmt: skip
+    legs = {"capacity": 4, "row": row[0], "state": state, "legs": np.zeros((4, 11)), "until": 1.0, "patience": 0.1}
+    labels = {**sizes, "points": np.zeros((1, 2, 2, 1)), "period": few + 1, "key": few.astype(np.int64), "begin": few,
+              "length": few + 1, "same": np.zeros(2), "label": few}  # fmt: skip
+    heights = {"count": 1, "row": row[0], "which": 0, "values": np.zeros(1), "heights": np.zeros(1)}
+    for name, given, changes in [
+        ("density", density_, [{"coordinate": 2}, {"coordinate": -1}, {"high": 0.0}, {"high": float("nan")},
+                               {"low": -float("inf")}, {"high": 5e-324}, {"rows": row + np.inf}]),
+        ("legs", legs, [{"state": state + 9.0}, {"state": state - 1.0}, {"state": state * np.nan}]),
+        ("attractors", labels, [{"period": few + 3}, {"length": few}]),
+        ("clearance", heights, [{"which": -1}, {"which": row.size}]),
+    ]:  # fmt: skip
+        caller.call(name, **{key: np.copy(value) if isinstance(value, np.ndarray) else value for key, value in
+                             given.items()})  # fmt: skip
+        for changed in changes:
+            with pytest.raises(InputError, match="this is no call of a kernel"):
+                caller.calls(called(caller.functions, name, given | changed))
+
+
+# ---- in a browser
+
+
+@pytest.fixture(scope="session")
+def rig(file, tmp_path_factory, caller):
+    """The page with the law, which the server computes."""
+    folder = tmp_path_factory.mktemp("served")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(own, "linker", lambda: None)
+        patch.setattr(own, "Calls", lambda *_given: caller.calls)
+        calls = own.prepared(f"{file}:model", folder, False, lambda _text: None)
+    with server(0, folder, calls) as ours:
+        thread = threading.Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.05})
+        thread.start()
+        yield ours.address
+        ours.shutdown()
+        thread.join()
+
+
+@pytest.fixture
+def motion():
+    return "reduce"
+
+
+SMALL = "columns=20&bins=40&flow_starts=2&flow_transient=40&flow_keep=30"
+LAW = "version=2&law=soft&omega=2.2&alpha=0.3&sigma=-0.1&offset=0.12&r=0.8&A.c=0.5&A.kick=0.2"
+
+
+@pytest.mark.parametrize(
+    "given",
+    [
+        "vary=A.c&reach=0:1&phase=0.4&t0=0.1",
+        "vary=B.c&reach=0:1&two=yes&sigma_B=0.7&r_B=0.6&B.c=0.2&B.kick=0.1",
+        "vary=A.kick&reach=0:0.5&cos_A=0.1&sin_A=0.05",
+    ],
+)
+def test_a_diagram_on_the_page_is_that_of_the_program_it_gives(shown, rig, file, given):
+    shown.open(f"{rig}#{LAW}&view=oscillator&{given}&columns=40&bins=60&flow_starts=3&flow_transient=40&flow_keep=30")
+    known, texts = {}, shown.page.evaluate("() => explorer.texts()")
+    exec(texts["python"].replace("gz.plot.save", "(lambda *_: None)"), known)
+    np.testing.assert_array_equal(shown.raster("oscillator")[1][:, 1:-2], known["result"]["count"])
+    # a command takes the oscillator of the file, which has one wall
+    assert (f"--model {file}:model" in texts["command"]) == ("phase" in given)
+    assert texts["command"].startswith("grazing density c=0" if "phase" in given else "# a command has the oscillator")
+    assert shown.problem() == ""
+
+
+def test_basins_on_the_page_are_those_of_the_program_it_gives(shown, rig):
+    shown.open(f"{rig}#{LAW}&view=chart&chart=basins&positions=-0.1:2&velocities=-1.5:1.5&chart_columns=8&chart_rows=6")
+    known, seen = {}, "explorer.views.chart"
+    exec(shown.page.evaluate("() => explorer.texts().python").replace("gz.plot.save", "(lambda *_: None)"), known)
+    found = shown.page.evaluate(f"() => [...{seen}.codes].map(code => {seen}.reached[code].period)")
+    want = known["result"]["period"].values[known["result"]["basin"].values].T
+    np.testing.assert_array_equal(np.reshape(found, want.shape), want)
+    assert len(np.unique(want)) > 1
+
+
+def test_the_page_opens_on_the_model(shown, rig):
+    shown.page.goto(rig)
+    shown.until("() => document.getElementById('headline').innerText.includes('with the law soft')")
+    assert "your law’s c" in shown.page.inner_text(".lead")
+    link = shown.page.evaluate("() => explorer.link()")
+    assert "law=soft" in link and link.endswith("&A.c=0.5&A.kick=0.2")  # whatever the file says when it is opened
+
+
+def test_a_slider_of_the_law_is_moved(shown, rig):
+    shown.open(f"{rig}#{LAW}&view=ball&{SMALL}")
+    before = shown.pixels("phase")
+    shown.page.focus("input[type=range][aria-label^='A.c']")
+    for _ in range(3):
+        shown.page.keyboard.press("ArrowRight")
+    shown.until("() => location.hash.includes('A.c=0.503')")
+    shown.settle()
+    shown.until("() => !explorer.views.ball.search.waiting")
+    assert shown.pixels("phase") != before
+    said = shown.page.inner_text("#summary")
+    assert re.search(r"a wall with the law soft of rig.py, r = 0.8, c = 0.503, kick = 0.2", said)
+
+
+def test_a_link_of_a_law_that_the_page_does_not_have_says_so(shown, address):
+    shown.open(f"{address}#version=2&view=ball&law=soft&A.c=0.5&columns=20")
+    assert "soft" in shown.problem() and "grazing explore --model" in shown.problem()
+
+
+def test_when_the_server_has_ended_the_page_says_what_to_do(browser, rig):
+    context = browser.new_context(reduced_motion="reduce")
+    page = Shown(context.new_page())
+    page.open(f"{rig}#{LAW}&view=ball&{SMALL}")
+    page.page.route("**/calls/*", lambda route: route.abort())
+    page.page.fill("input[type=number][name=offset]", "0.2")
+    page.until("() => document.getElementById('problem').innerText.includes('grazing explore')")
+    context.close()
