@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.exact import exact_contact
 from grazing.billiard.flown import BEFORE, FLAGS, LAST, NEXT, OWNER, PATH, SURFACE, TIME, flights_of
 from grazing.billiard.rows import FEET
 from grazing.outcome import AMBIGUOUS, ESCAPED, NO_IMPACT
@@ -189,7 +190,7 @@ def test_it_falls_out_of_a_notch_and_not_onto_a_face_behind_that(hidden):
     table = gz.table(walls(ends, law), tilt=1.0)
     flights = flights_of(table, (-0.3, -0.6, 0.3 / 0.7, 0.6 / 0.7 + 0.35 * table.gravity), 0.0, 5.0)
     assert set(flights[:, OWNER]) <= {0.0, 1.0, -1.0} and int(flights[-1, FLAGS]) & ESCAPED
-    assert (flights[:, NEXT + 1] <= 1e-9).all() and set(flights[:-1, SURFACE] // 2) <= {0.0, 0.5, 1.0}
+    assert (flights[:, NEXT + 1] <= 1e-9).all() and set(flights[:-1, SURFACE]) == {1.0, 2.0}
 
 
 def test_feet_of_walls_are_counted_and_corners_and_balls_with_a_radius_have_none():
@@ -270,3 +271,29 @@ def test_an_arc_that_begins_on_a_wall_lies_on_that_side_on_which_it_begins(r):
         place = foot - random.uniform(0.1, 0.5) * along + 0.4 * up
         flights = flights_of(table, (*place.tolist(), *(foot - place).tolist()), 0.0, 9.0)
         assert flights[-1, LAST - 2 : LAST] @ up > 0.0, seed
+
+
+@pytest.mark.parametrize("lean", [0.03, 0.3])
+def test_exact_decisions_do_not_take_a_place_outside_a_small_arc_for_one_on_it(lean):
+    """Rounding was the square of the coordinates, not these times the radius: from outside it hit the inside."""
+    place, law = np.array([1000.0, 1000.0]), gz.newton(0.7)
+    begin, radius = 0.5 * pi + lean, 0.1
+    bow = gz.arc("bow", place - radius * np.array([cos(begin), sin(begin)]), radius, begin, begin + 1.0, law)
+    table = gz.table([*walls([(place - (1.0, 0.0), place)], law), bow], tilt=1.0)
+    block = table.blocks(table.row())[0]
+    above = 1e-9 / sin(lean)  # so far from the joint the wall is 1e-9 above the arc
+    surface, _t, _flags = exact_contact(block, (1000.0 - above, 1000.0, 1e-3, 1e-3), 0.0)
+    assert surface == -1
+
+
+def test_flying_along_a_wall_far_from_the_origin_it_does_not_hit_the_back_of_the_next_one():
+    """With r = 0 and no gravity; rounding of the coordinates put it beside the wall, and so behind the next one."""
+    for seed in range(40):
+        random = np.random.default_rng(seed)
+        turn, lean, end = random.uniform(-pi, pi), random.uniform(0.05, 2.0), random.uniform(-1000.0, 1000.0, 2)
+        along, up = np.array([cos(turn), sin(turn)]), np.array([-sin(turn), cos(turn)])
+        after = np.array([cos(turn - lean), sin(turn - lean)])
+        table = gz.table(walls([(end - along, end), (end, end + after)], gz.newton(0.0)))
+        place = end - 0.6 * along + 0.1 * up
+        flights = flights_of(table, (*place.tolist(), *(end - 0.3 * along - place).tolist()), 0.0, 9.0)
+        assert flights[:, OWNER].tolist() == [0.0, -1.0], seed

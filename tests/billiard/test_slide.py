@@ -8,7 +8,7 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.check import free_place
-from grazing.billiard.flown import AFTER, BEFORE, FLAGS, NEXT, OWNER, PATH, TIME, flights_of
+from grazing.billiard.flown import AFTER, BEFORE, FLAGS, LAST, NEXT, OWNER, PATH, TIME, flights_of
 from grazing.billiard.swing import swung
 from grazing.outcome import CHATTER, ESCAPED, FATAL, NO_IMPACT, STUCK
 
@@ -254,3 +254,21 @@ def test_a_ball_without_a_radius_bounces_in_a_corner_whose_end_rounding_put_it_b
     for start in (-0.31, 0.07, 0.52, 0.64):
         found = gz.trajectory(table, (start, 2.0, 0.3, 0.0), until=60.0)
         assert float(found.y.min()) > -1e-12, start
+
+
+@pytest.mark.parametrize("slope", [0.05, 0.5, 0.9])
+@pytest.mark.parametrize("more", ["bowl", "lane"])
+def test_a_ball_without_a_radius_goes_on_where_the_next_surface_begins_without_a_kink(slope, more):
+    """There is no circle around the end of the lane to hand it on: it fell through what follows, certified."""
+    along, up, law = np.array([cos(slope), -sin(slope)]), np.array([sin(slope), cos(slope)]), gz.newton(0.0)
+    joint = np.array([0.7, -0.3])
+    centre = joint + 1.3 * up
+    begin = np.arctan2(*(joint - centre)[::-1])
+    after = gz.arc("next", centre, 1.3, begin, begin + slope + 1.0, law)
+    if more == "lane":
+        after = gz.segment("next", joint, joint + along, law)
+    lane = gz.segment("lane", joint - 2.0 * along, joint, law)
+    flights = flights_of(gz.table([lane, after], tilt=UP), (*(joint - along + 0.1 * up).tolist(), 0.1, 0.0), 0.0, 5.0)
+    first, second = (flights[k] for k in np.flatnonzero(flights[:, PATH] >= 0.0)[:2])
+    height = [0.5 * hypot(*one[LAST + 2 : NEXT]) ** 2 + one[LAST + 1] for one in (first, second)]
+    assert second[TIME] > 0.1 and second[PATH] != first[PATH] and height[0] == pytest.approx(height[1], rel=1e-12)

@@ -10,12 +10,13 @@ from __future__ import annotations
 from typing import Any
 
 from grazing.billiard.contact import SLIDES, next_event, slid_on
-from grazing.billiard.elements import OFF, ON, bend_of, element, normal_of
+from grazing.billiard.elements import bend_of, element, normal_of
 from grazing.billiard.gates import asked, gate_of, gate_under, motion_at, shut
 from grazing.billiard.hit import away_of, met, period_of
 from grazing.billiard.rows import FLIPPERS, GRAVITY
 from grazing.billiard.slide import pressing
 from grazing.billiard.swing import swung_by
+from grazing.billiard.turning import OFF, ON, RIDES
 from grazing.kernel.elementary import arctan2
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import BAD_LAW, ESCAPED, FATAL, NO_IMPACT, TOO_MANY_SWINGS
@@ -56,6 +57,8 @@ def next_carried(
         if columns > 0 and not said & FATAL:
             if last < 0:
                 flown_by(slopes, columns, width, length)
+            elif left == last + RIDES:
+                unknown(slopes, columns, width)
             else:
                 ax, ay = slid_by(slopes, columns, width, last, (x, y, vx, vy), now, found, table)
             if owner < 0 and surface >= 0 and on == surface + ON and not (last == surface):
@@ -108,6 +111,14 @@ def speed_on(el: Any, x: float, y: float, vx: float, vy: float) -> Any:
     """Return the speed along a surface."""
     nx, ny = normal_of(el, x, y)
     return vy * nx - vx * ny
+
+
+@inlined
+def unknown(slopes: Any, columns: int, width: int) -> None:
+    """Know no derivatives any more: through a slide on a flipper that turns they are not carried."""
+    for k in range(columns):
+        one = behind(slopes, width * k)
+        one[DX] = one[DY] = one[DVX] = one[DVY] = NAN
 
 
 @inlined

@@ -5,24 +5,13 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import (
-    OFF,
-    ON,
-    SAME,
-    along,
-    apart,
-    element,
-    gap_of,
-    holds,
-    joins,
-    normal_of,
-    turns_at,
-    width_of,
-)
+from grazing.billiard.elements import SAME, along, apart, element, gap_of, holds, joins, normal_of, turns_at, width_of
 from grazing.billiard.hit import first_turning, flown, is_open, met, period_of, rows_of, struck
 from grazing.billiard.march import first_contact
+from grazing.billiard.ride import ride
 from grazing.billiard.rows import FACES, FEET, FLIPPERS, GRAVITY, LENGTH, OWNER, WIDTH
 from grazing.billiard.slide import HITS, LEAVES, STAYS, WAITS, pressing, slide
+from grazing.billiard.turning import OFF, ON, RIDES
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import (
     AMBIGUOUS,
@@ -185,20 +174,26 @@ def at_foot(
 def slid_on(left: float, clock: float, table: Any) -> Any:
     """Return the surface on which a ball slides, -1 for one that flies."""
     last = int(left)
-    return last if left == last + ON and not turns_at(last, clock, table) else -1
+    slides = left == last + RIDES or (left == last + ON and not turns_at(last, clock, table))
+    return last if slides else -1
 
 
 @unit
 def next_event(x: float, y: float, vx: float, vy: float, left: float, clock: float, table: Any) -> Any:
     """Return (surface, owner, t, flags, left), and the states and velocities of :func:`impact`: a flight or a slide.
 
-    ``left`` is the surface that the ball just left, plus ON for one on which it slides, plus OFF for one off which it
-    slid. The owner is that of what is hit, or -1. The surface is -1 for a ball that rests, and for one that leaves for
-    good without meeting anything, it *escapes*; then, and if it slides or rests for ever, the time is infinite.
+    ``left`` is the surface that the ball just left, plus ON or RIDES for one on which it slides, plus OFF for one off
+    which it slid. The owner is that of what is hit, or -1. The surface is -1 for a ball that rests, and for one that
+    leaves for good without meeting anything, it *escapes*; then, and if it slides or rests for ever, the time is
+    infinite.
     """
     state, last = (x, y, vx, vy), slid_on(left, clock, table)
     if last >= 0:
-        (surface, why, t, flags), there = slide(x, y, vx, vy, last, clock, table)
+        rides = left == last + RIDES
+        if rides:
+            (surface, why, t, flags), there = ride(x, y, vx, vy, last, clock, table)
+        else:
+            (surface, why, t, flags), there = slide(x, y, vx, vy, last, clock, table)
         flags |= STUCK
         if why == HITS:
             x, y, vx, vy = there
@@ -211,6 +206,8 @@ def next_event(x: float, y: float, vx: float, vy: float, left: float, clock: flo
             return (surface, -1, INFINITY, flags | NO_IMPACT, left), there, there, NONE
         if why != WAITS:
             left = surface + (OFF if why == LEAVES else ON)
+        elif rides:  # where its turning ends that is an impact, or the ball comes loose
+            left = 1.0 * last
         return (surface, -1, t, flags, left), there, there, NONE
     surface, t, flags = first_contact(x, y, vx, vy, left, clock, table)
     return flight_to(surface, t, flags, state, left, clock, table)
@@ -224,7 +221,8 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
         return (surface, -1, t, flags, left), state, state, NONE
     if flags & STUCK:  # there is no flight, so what was doubtful about it is nothing: a slide begins
         flags = (flags | CHATTER) & ~(GRAZE | AMBIGUOUS)
-        return (surface, -1, 0.0, flags, surface + ON), state, state, NONE
+        on = RIDES if turns_at(surface, clock, table) else ON
+        return (surface, -1, 0.0, flags, surface + on), state, state, NONE
     if surface < 0:
         return (surface, -1, INFINITY, flags | ESCAPED, left), state, state, NONE
     if not t < INFINITY:

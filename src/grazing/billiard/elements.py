@@ -45,8 +45,6 @@ TOUCH, SAME = 64.0 * 2.0**-52, 2.0**-40
 
 #: An angle within which rounding puts a place behind one that is ahead.
 BEHIND = 1e-6
-#: What is added to the number of a surface: a ball slides on it, or has slid off it.
-ON, OFF = 0.5, 0.25
 
 
 def count_of(table: Any) -> int:

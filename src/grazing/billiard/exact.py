@@ -76,7 +76,8 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
         dx, dy = fmpq_poly([x - exact(row[PX]), vx]), fmpq_poly([y - exact(row[PY]), vy, fall])
         within: tuple[fmpq_poly, ...]
         owner, size = int(row[OWNER]), fmpq_poly([exact(row[SIZE])])
-        spread = abs(x0) + abs(y0) + abs(x0 - row[PX]) + abs(y0 - row[PY]) + row[SIZE]
+        scale = abs(x0 - row[PX]) + abs(y0 - row[PY]) + row[SIZE]
+        spread = abs(x0) + abs(y0) + scale
         if slid and i < faces and left // 2 == i:
             continue
         if i < faces:
@@ -104,9 +105,10 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
         if slid and (surface == left or (i >= faces + circles and beside_circle(row, *state))):
             within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
             sign = int(row[SIGN]) if i >= faces + circles else 1
-            yield slid_off(surface, owner, sign * h, within if i >= faces + circles else (), spread)
+            pull = vx0 * vx0 + vy0 * vy0 + float(block[GRAVITY]) * scale
+            yield slid_off(surface, owner, sign * h, within if i >= faces + circles else (), spread, scale, pull)
         elif i < faces + circles:
-            yield made(surface, owner, h, (), left == surface, spread * spread)
+            yield made(surface, owner, h, (), left == surface, spread, scale)
         else:
             within = (exact(row[MX]) * dx + exact(row[MY]) * dy - exact(row[COSINE]) * size,)
             clear: tuple[fmpq_poly, ...] = ()
@@ -120,7 +122,7 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
                     continue
                 fresh = fresh or begins
                 clear = tuple(apart(row, turn, dx, dy) for turn, end in zip((-1.0, 1.0), ends, strict=True) if end)
-            yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread * spread)._replace(clear=clear)
+            yield made(surface, owner, int(row[SIGN]) * h, within, fresh, spread, scale)._replace(clear=clear)
 
 
 def apart(row: Floats, turn: float, dx: fmpq_poly, dy: fmpq_poly) -> fmpq_poly:
@@ -147,13 +149,17 @@ def closed(
     return within[0] + shut(0), within[1] + shut(1)
 
 
-def slid_off(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], spread: float) -> Gap:
-    """Return the gap of a circle off which the ball slid, h/s^2, as h and h' are 0 at the begin; h'' is not below 0."""
+def slid_off(
+    surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], spread: float, scale: float, pull: float
+) -> Gap:  # fmt: skip
+    """Return the gap of a circle off which the ball slid, h/s^2, as h and h' are 0 at the begin; h'' is not below 0.
+
+    ``pull`` are the sizes that h'' is made of.
+    """
     rest = fmpq_poly([h[i] for i in range(2, 5)])
-    pressed = (
-        float(Fraction(int(rest[0].p), int(rest[0].q))) < -SHARE * spread
-    )  # where an arc ends below a ball without a radius
-    return made(surface, owner, rest, within, rest[0] <= 0 and not pressed, spread * spread)._replace(times=2)
+    # where an arc ends below a ball without a radius
+    pressed = float(Fraction(int(rest[0].p), int(rest[0].q))) < -SHARE * pull
+    return made(surface, owner, rest, within, rest[0] <= 0 and not pressed, spread, scale)._replace(times=2)
 
 
 def exact_contact(

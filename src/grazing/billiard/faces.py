@@ -265,15 +265,17 @@ def foot_at(t: float, late: float, along: Any, v: Any, face: Any, g: float) -> A
 
 
 @inlined
-def on_face(t: float, late: float, along: Any, v: Any, face: Any, g: float, end: float) -> Any:
+def on_face(t: float, late: float, along: Any, v: Any, face: Any, g: float, end: float, slack: float) -> Any:
     """Return (met, flags): whether a face is met at the time t, before ``end`` and between its ends.
 
-    ``along`` is the ball's place as seen from the first end, ``face`` its direction, size and length.
+    ``along`` is the ball's place as seen from the first end, ``face`` its direction, size and length; ``slack`` is how
+    near to an end without a circle it is in doubt.
     """
     _ex, _ey, size, long = face
     foot, unsure = foot_at(t, late, along, v, face, g)
     on = t < INFINITY and t <= end + late and foot >= -unsure and foot <= long + unsure
-    bare = on and size == 0.0 and (foot < unsure or foot > long - unsure)  # no circle is around that end
+    near = unsure + slack
+    bare = on and size == 0.0 and (foot < near or foot > long - near)  # no circle is around that end
     return on, AMBIGUOUS if bare else OK
 
 
@@ -311,9 +313,9 @@ def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: floa
     off, e, d = ey * dx - ex * dy, GAP * EPS * spread_of(dx, dy, size, long), GAP * EPS * (abs(vx) + abs(vy))
     h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
     t, late, said = face_root(h, rate, bend, e, d, fresh)
-    on, unsure = on_face(t, late, along, v, face, g, INFINITY)
-    beside = CORNER * (e + GAP * EPS * (far + long))
-    deep = not fresh and (h < -e or (size == 0.0 and last >= 0.0 and abs(off) <= beside))
+    beside = CORNER * (e + GAP * EPS * (far + long)) if size == 0.0 and last >= 0.0 else 0.0
+    on, unsure = on_face(t, late, along, v, face, g, INFINITY, beside)
+    deep = not fresh and (h < -e or abs(off) < beside)
     return on and not deep and (said | unsure) == OK, t, late
 
 
@@ -417,7 +419,7 @@ def of_face(
             return ended(found, surface, 0.0, said)
         face = ex, ey, size, row[LONG]
         end = found[1] + found[2]
-        on, unsure = on_face(t, late, (dx, dy), (vx, vy), face, g, end)
+        on, unsure = on_face(t, late, (dx, dy), (vx, vy), face, g, end, 0.0)
         if size == 0.0 and last >= 0 and t <= end + late and t < INFINITY:
             then, wide = foot_at(t, late, (dx, dy), (vx, vy), face, g)
             wide += slack_of(row, x, y)

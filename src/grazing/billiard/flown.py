@@ -14,9 +14,11 @@ from grazing.billiard.contact import SLIDES, flight_to, next_event, slid_on
 from grazing.billiard.elements import slid
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.players import Presses
+from grazing.billiard.ride import carried_to
 from grazing.billiard.roots import Undecided
 from grazing.billiard.rows import HEAD, LONG, THING, THINGS, WIDTH
 from grazing.billiard.strategy import Strategy
+from grazing.billiard.turning import RIDES
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.primitives import numbers
 from grazing.memory import refuse_too_large
@@ -49,6 +51,8 @@ Floats = NDArray[np.float64]
 INFINITY = float("inf")
 #: Flights of one call of the recorder, and impacts of a trajectory at most.
 CAPACITY, MAX_IMPACTS = 2048, 1_000_000
+#: Flights and slides without any time, at no less speed, after which a ball is jammed: these are impacts for ever.
+JAMMED = 1000
 #: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
 #: after, flags; then the states at its begin, at its end and just after the impact there; the surface on which it is a
 #: slide, -1 for a flight; the surface left at its begin, as kernels know it.
@@ -164,7 +168,7 @@ def played_flights(
     """
     gates, pressed = len(table.objects), {} if pressed is None else pressed
     block = block_played(table, pressed)
-    now, found, hits, idle, going, shut = np.array([start, left, *state]), [], 0, 0, True, None
+    now, found, hits, idle, jam, fast, going, shut = np.array([start, left, *state]), [], 0, 0, 0, 0.0, True, None
     while going:
         many = most - hits if shut is None and not once else 1
         flights, going = followed(block if shut is None else shut, now, until, many)
@@ -184,8 +188,12 @@ def played_flights(
         if once and not np.isnan(last[BEFORE]):
             break
         hits, idle = hits + len(met), len(flights) - 1 - met[-1] if len(met) else idle + len(flights)
-        if going and (hits >= most or idle > SLIDES):
-            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most else TOO_MANY_SWINGS)
+        moves, speed = np.flatnonzero(flights[:, TIME] > 0.0), np.hypot(flights[:, NEXT + 2], flights[:, NEXT + 3])
+        jam, fast = (len(flights) - 1 - moves[-1], speed[moves[-1]]) if len(moves) else (jam + len(flights), fast)
+        if jam > JAMMED and speed[-1] < 0.5 * fast:  # it comes to rest in a corner
+            jam, fast = 0, speed[-1]
+        if going and (hits >= most or jam > JAMMED or idle > SLIDES):
+            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most or jam > JAMMED else TOO_MANY_SWINGS)
             break
     return np.concatenate(found), pressed
 
@@ -228,25 +236,29 @@ def through(block: Floats, flight: Floats, t: float, now: Floats) -> Floats | No
 
 @lru_cache(maxsize=1)
 def slider() -> Any:
-    """Compile ``along(block, surface, state, clock, times, found)``: where a ball is that slides on a surface."""
+    """Compile ``along(block, surface, left, state, clock, times, found)``: where a ball is that slides on a surface."""
 
-    def along(block: Any, surface: int, state: Any, clock: float, times: Any, found: Any) -> None:
-        x, y, vx, vy, last = state[0], state[1], state[2], state[3], 0.0
+    def along(block: Any, surface: int, left: float, state: Any, clock: float, times: Any, found: Any) -> None:
+        begin = state[0], state[1], state[2], state[3]
+        (x, y, vx, vy), last = begin, 0.0
         for i in range(len(times)):
-            x, y, vx, vy = slid(surface, x, y, vx, vy, times[i] - last, clock, numbers(block))
+            if left == surface + RIDES:
+                x, y, vx, vy = carried_to(surface, begin, times[i], clock, numbers(block))
+            else:
+                x, y, vx, vy = slid(surface, x, y, vx, vy, times[i] - last, clock, numbers(block))
             last = times[i]
             found[i, 0], found[i, 1], found[i, 2], found[i, 3] = x, y, vx, vy
 
     return compiled(along)
 
 
-def way_along(table: Table, slide: Floats, clock: float, times: Floats) -> Floats:
+def way_along(block: Floats, slide: Floats, clock: float, times: Floats) -> Floats:
     """Return states of a ball at times of a slide, (times, 4)."""
-    found, block = np.empty((len(times), 4)), table.blocks(table.row())[0]
+    found = np.empty((len(times), 4))
     if slide[SURFACE] < 0.0:  # it rests
         found[:] = slide[LAST:NEXT]
     else:
-        call(slider(), block, int(slide[PATH]), slide[FIRST:LAST].copy(), clock, times, found)
+        call(slider(), block, int(slide[PATH]), float(slide[LEFT]), slide[FIRST:LAST].copy(), clock, times, found)
     return found
 
 
@@ -273,9 +285,10 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     a = table.gravity
     with np.errstate(over="ignore", invalid="ignore"):  # of a ball that has diverged
         path = dict(zip(names, (x + vx * s, y + (vy - 0.5 * a * s) * s, vx, vy - a * s), strict=True))
+    block = block_played(table, pressed)
     for k in np.flatnonzero(flights[:, PATH] >= 0.0):
         here = number == k
-        states = way_along(table, flights[k], float(begins[k]), s[here])
+        states = way_along(block, flights[k], float(begins[k]), s[here])
         for name, values in zip(names, states.T, strict=True):
             path[name][here] = values
     hits = ~np.isnan(flights[:, BEFORE]) & (begins + flights[:, TIME] <= until)

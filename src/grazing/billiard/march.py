@@ -105,7 +105,8 @@ def first_contact(x: float, y: float, vx: float, vy: float, left: float, clock: 
         found = of_sides(found, x, y, vx, vy, g, last, off, slid, faces, circles, int(table[SIDES]), rows, start)
     if table[FLIPPERS] > 0.0 and not found[4] & STOP:
         rows = behind(rows, WIDTH * int(table[SIDES]))
-        found = of_flippers(found, x, y, vx, vy, g, turns, slid, surfaces, clock, int(table[FLIPPERS]), rows)
+        on = left - int(left)
+        found = of_flippers(found, x, y, vx, vy, g, turns, on, surfaces, clock, int(table[FLIPPERS]), rows)
     if not found[4] & STOP:
         found = of_other_faces(found, x, y, vx, vy, g, last, slid, faces, circles, start)
     return found[0], found[1], found[4]
@@ -264,7 +265,7 @@ def of_sides(
 
 
 def of_flippers(
-    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: bool, base: int, clock: float,
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, last: int, slid: float, base: int, clock: float,
     flippers: int, rows: Any,
 ) -> Any:  # fmt: skip
     """Return the first contact with a flipper but for its hub, or what was found before that."""

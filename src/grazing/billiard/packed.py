@@ -76,9 +76,7 @@ def of_others(
     found = of_sides(found, x, y, vx, vy, g, int(w[W.LAST + i]), -1, False, faces, circles, sides, beyond, rows)
     if found[4] == OK:
         turns, beyond = int(w[W.LEFT + i]) - surfaces, behind(beyond, WIDTH * sides)
-        found = of_flippers(
-            found, x, y, vx, vy, g, turns, False, surfaces, w[W.CLOCK + i], int(table[FLIPPERS]), beyond
-        )
+        found = of_flippers(found, x, y, vx, vy, g, turns, 0.0, surfaces, w[W.CLOCK + i], int(table[FLIPPERS]), beyond)
     w[W.SURFACE + i], w[W.TIME + i] = 1.0 * found[0], found[1]
     w[W.LATE + i], w[W.WHO + i] = found[2], found[3]
     w[W.DOUBT + i] = 1.0 if found[4] != OK else 0.0

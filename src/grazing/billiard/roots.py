@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from fractions import Fraction
-from math import sqrt
 from typing import Any, NamedTuple
 
 from flint import arb, ctx, fmpq, fmpq_poly
@@ -25,7 +24,8 @@ class Gap(NamedTuple):
 
     ``h`` is None where it is no polynomial of the time.
 
-    ``size`` are the sizes that the gap at the beginning is made of; ``h`` is divided by the time so many ``times``.
+    ``size`` is that of the coordinates, ``scale`` by how much more than a place the gap changes, as that of a circle is
+    one of squares; ``h`` is divided by the time so many ``times``.
     """
 
     surface: int
@@ -34,6 +34,7 @@ class Gap(NamedTuple):
     within: tuple[fmpq_poly, ...]
     fresh: bool
     size: float
+    scale: float = 1.0
     times: int = 0
     clear: tuple[fmpq_poly, ...] = ()
 
@@ -51,9 +52,11 @@ def exact(x: float) -> fmpq:
     return fmpq(*float(x).as_integer_ratio())
 
 
-def made(surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], fresh: bool, size: float) -> Gap:
+def made(
+    surface: int, owner: int, h: fmpq_poly, within: tuple[fmpq_poly, ...], fresh: bool, size: float, scale: float = 1.0
+) -> Gap:  # fmt: skip
     """Return a gap; it is 0 at the beginning by definition where the ball just left the surface, from either side."""
-    return Gap(surface, owner, h - h[0] if fresh else h, within, fresh, size)
+    return Gap(surface, owner, h - h[0] if fresh else h, within, fresh, size, scale)
 
 
 @contextmanager
@@ -71,6 +74,11 @@ def at(h: fmpq_poly, t: arb) -> arb:
     return found
 
 
+def unsure(gap: Gap) -> float:
+    """Return the rounding of a gap."""
+    return SHARE * gap.size * gap.scale
+
+
 def sign_at(h: fmpq_poly, root: Root | arb) -> int:
     """Return the sign of a polynomial at a root, 0 where balls of this precision do not tell."""
     value = at(h, root if isinstance(root, arb) else root.t)
@@ -81,7 +89,7 @@ def roots_of(gap: Gap) -> list[Root]:
     """Return where a gap comes down to 0 from above after the start, or touches it, in order."""
     h: Any = gap.h
     found: list[Root] = []
-    if not (gap.fresh or gap.times) and h[0] <= 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -SHARE * gap.size:
+    if not (gap.fresh or gap.times) and h[0] <= 0 and float(Fraction(int(h[0].p), int(h[0].q))) > -unsure(gap):
         h -= h[0]
         if h[1] < 0 or (h[1] == 0 and h[2] < 0):
             found.append(Root(arb(0), gap, False))
@@ -124,7 +132,7 @@ def joined(gap: Gap) -> list[Root]:
             continue
         off, way, bend = at(h, t), at(rate, t), -at(press, t)
         # it would come down by so much in the time in which it rises, or has risen, by that
-        if abs(off) < SHARE * gap.size and way * way < SHARE * gap.size * bend:
+        if abs(off) < unsure(gap) and way * way < unsure(gap) * bend:
             found.append(Root(t, gap, False))
     return found
 
@@ -136,8 +144,7 @@ def inside(root: Root) -> int:
 
 def beside(root: Root) -> bool:
     """Say whether a root is on the surface itself, or beyond its ends by no more than rounding."""
-    size = root.gap.size
-    slack = exact(SHARE * (size if len(root.gap.within) == 2 else sqrt(size)))  # the gap of an arc is one of squares
+    slack = exact(SHARE * root.gap.size)
     clear = all(at(one, root.t) > 0 for one in root.gap.clear)
     return clear and all(at(one, root.t) + slack > 0 for one in root.gap.within)
 

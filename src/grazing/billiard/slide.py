@@ -63,15 +63,19 @@ def until_it_leaves(el: Any, nx: float, ny: float, speed: float, way: float, g: 
     return max(arccos(min(target, 1.0)) - way * el[0] * arctan2(-nx, ny), 0.0) * el[6]  # type: ignore[no-any-return]
 
 
-def onto(surface: int, el: Any, x: float, y: float, nx: float, ny: float, clock: float, table: Any) -> int:
-    """Return the circle on which a ball goes on at the end of a surface, -1 for none."""
+def onto(
+    surface: int, el: Any, x: float, y: float, nx: float, ny: float, way: float, clock: float, table: Any
+) -> int:  # fmt: skip
+    """Return the surface on which a ball goes on at the end of another one, -1 for none."""
     for other in range(count_of(table)):
         if other == surface or turns_at(other, clock, table):
             continue
         to = element(other, clock, table)
-        if to[0] > 0.0 and to[7] < -1.0 and abs(gap_of(to, x, y)) <= width_of(to, x, y):
-            mx, my = normal_of(to, x, y)
-            if mx * nx + my * ny > 0.5 and abs(mx * ny - my * nx) <= width_of(to, x, y) / to[6] + SAME:
+        width = width_of(to, x, y)
+        fx, fy = along(el, x, y, way, 4.0 * width)
+        if abs(gap_of(to, x, y)) <= width and holds(to, fx, fy, width):
+            (mx, my), turned = normal_of(to, x, y), width / to[6] if to[0] != 0.0 else 0.0
+            if mx * nx + my * ny > 0.5 and abs(mx * ny - my * nx) <= turned + SAME:
                 return other
     return -1
 
@@ -283,6 +287,6 @@ def slide(x: float, y: float, vx: float, vy: float, surface: int, clock: float, 
     if el[0] != 0.0:  # by its energy
         new = which * sqrt(max(speed * speed + 2.0 * g * (y - fy), 0.0))
     if why == ENDS:
-        at = onto(surface, el, fx, fy, mx, my, clock + t, table)
+        at = onto(surface, el, fx, fy, mx, my, 1.0 if far > 0.0 else -1.0, clock + t, table)
         why = ONTO if at >= 0 else LEAVES
     return (at if why != LEAVES else surface, why, t, flags), (fx, fy, -my * new, mx * new)

@@ -64,20 +64,23 @@ def horizon(x: float, y: float, room: float, clock: float, table: Any) -> Any:
     return end, busy
 
 
-def room_beside(row: Any, ux: float, uy: float, omega: float, x: float, y: float, vx: float, vy: float) -> Any:
+def room_beside(
+    row: Any, ux: float, uy: float, omega: float, x: float, y: float, vx: float, vy: float, width: float
+) -> Any:  # fmt: skip
     """Return (h, rate, kind): the distance of the ball's centre from where it would touch sides or tip of a flipper."""
     dx, dy = x - row[PX], y - row[PY]
-    kind = 0 if ux * dy - uy * dx >= 0.0 else 1
+    kind, wx, wy = 0 if ux * dy - uy * dx >= 0.0 else 1, vx + omega * dy, vy - omega * dx
     nx, ny = normal_at(kind, ux, uy, row)
-    foot, h = (1.0 - 2.0 * kind) * (ny * dx - nx * dy), nx * dx + ny * dy - row[SIZE]
+    way = 1.0 - 2.0 * kind
+    foot, h = way * (ny * dx - nx * dy), nx * dx + ny * dy - row[SIZE]
     if foot > row[LONG]:
         kind = AT_TIP
         ex, ey = dx - row[ARM] * ux, dy - row[ARM] * uy
         far = sqrt(ex * ex + ey * ey)
         nx, ny, h = ex / far, ey / far, far - row[TIP]
-    elif foot < 0.0:
-        h = sqrt(foot * foot + h * h)
-    return h, nx * (vx + omega * dy) + ny * (vy - omega * dx), kind
+    elif foot <= width:  # where the side begins at the hub, on which the ball may slide
+        return sqrt(foot * foot + h * h), -way * (ny * wx - nx * wy), kind
+    return h, nx * wx + ny * wy, kind
 
 
 def swept(
@@ -100,7 +103,7 @@ def swept(
         for _ in range(MOST):
             fx, fy, fvx, fvy = (x, y, 0.0, 0.0) if rests else slid(surface, x, y, vx, vy, t, clock, table)
             ux, uy, _turned = direction_at(t, begin, piece)
-            h, rate, kind = room_beside(row, ux, uy, omega, fx, fy, fvx, fvy)
+            h, rate, kind = room_beside(row, ux, uy, omega, fx, fy, fvx, fvy, width)
             if h <= width and rate < 0.0:
                 best, met = t, first_turning(table) + KINDS * i + kind
                 break

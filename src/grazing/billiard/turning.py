@@ -36,6 +36,8 @@ from grazing.kernel.primitives import behind, inlined
 from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, GRAZE, INSIDE_WALL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
+#: What is added to the number of a surface: a ball slides on it, or while it turns, or has slid off it.
+ON, RIDES, OFF = 0.5, 0.75, 0.25
 #: Pieces of a flipper's motion that are looked at in one flight, after which it ends by name.
 MOST = 1_000_000
 #: Times that the end of what a bound has to hold for is brought forward, to twice the step that it allows.
@@ -227,12 +229,14 @@ def at_surface(
 
     A crossing of the line of a side beyond its ends is none: the ball is then behind the line, until it comes back.
     """
-    t, flags, outside = start, OK, True
-    (h, dh, k), (e, d, _b), _at = look(start, flight, kind, row, begin, piece)
+    flags, outside = OK, True
+    (h, dh, k), (e, d, b), _at = look(start, flight, kind, row, begin, piece)
     if fresh:
         if rests(dh, k, e):
-            return start, 0.0, TOO_MANY_IMPACTS if piece[OMEGA] != 0.0 else STUCK
-        if dh <= 0.0:  # it has begun to move towards the ball
+            return start, 0.0, TOO_MANY_IMPACTS if piece[OMEGA] != 0.0 and kind == AT_TIP else STUCK
+        if piece[OMEGA] != 0.0 and k > b and abs(dh) <= d:  # it moves away, if as fast as nothing at first
+            start, fresh = clear_until(flight, kind, row, begin, piece, end), False
+        elif dh < -d or (dh <= 0.0 and k <= 0.0):  # it has begun to move towards the ball
             return start, e / max(-dh, d), OK
     if kind == AT_TIP and piece[OMEGA] == 0.0:
         cx, cy = row[PX] + row[ARM] * piece[CX], row[PY] + row[ARM] * piece[CY]
@@ -240,6 +244,7 @@ def at_surface(
         return crossing(x - cx, y - cy, vx, vy, g, row[TIP], 1.0, start, fresh, end)
     if kind != AT_TIP and not fresh:
         outside = h >= -e
+    t = start
     for _ in range(LOOKS):
         t, late, said = turned(flight, kind, row, begin, piece, 1.0 if outside else -1.0, t, fresh, end)
         flags |= said
@@ -287,12 +292,13 @@ def comes_near(t: float, flight: Any, row: Any, end: float) -> Any:
 
 
 def of_flipper(
-    x: float, y: float, vx: float, vy: float, g: float, last: int, off: bool, clock: float, row: Any, pieces: Any,
+    x: float, y: float, vx: float, vy: float, g: float, last: int, off: float, clock: float, row: Any, pieces: Any,
     end: float,
 ) -> Any:  # fmt: skip
     """Return (kind, t, late, flags): the first contact with a flipper before ``end``, infinity for none.
 
-    ``last`` is the kind of the surface of this flipper that the ball just left, -1 for none; ``off``: it slid off that.
+    ``last`` is the kind of the surface of this flipper that the ball just left, -1 for none; ``off`` is OFF if it slid
+    off that, ON if it lay on it, and 0 for neither.
     """
     flight, phase, t, flags = (x - row[PX], y - row[PY], vx, vy, g, x, y), clock_of(clock, row), 0.0, OK
     if last < 0:
@@ -307,10 +313,13 @@ def of_flipper(
         until = min(begin_of(number + 1, turns, phase, row, pieces), end)
         kind, first, slack = -1, INFINITY, 0.0
         for i in range(KINDS):
-            if off and t == 0.0 and piece[OMEGA] == 0.0 and beside(flight, i, last == i, row, begin, piece):
+            begins, slips = t, off > 0.0 and t == 0.0 and beside(flight, i, last == i, row, begin, piece)
+            if slips and piece[OMEGA] != 0.0 and off == OFF:
+                begins = clear_until(flight, i, row, begin, piece, until)
+            if slips and piece[OMEGA] == 0.0:
                 found, late, said = off_tip(flight, i, row, piece, until)
             else:
-                found, late, said = at_surface(flight, i, row, begin, piece, t, last == i and t == 0.0, until)
+                found, late, said = at_surface(flight, i, row, begin, piece, begins, last == i and begins == 0.0, until)
             flags |= said
             if said & (FATAL | STUCK):
                 return i, found, 0.0, flags
@@ -332,7 +341,27 @@ def of_flipper(
 def beside(flight: Any, kind: int, left: bool, row: Any, begin: float, piece: Any) -> Any:
     """Say whether a ball that has slid off something slid off this surface of a flipper, or off the end of it."""
     (h, dh, _k), (e, _d, _b), _at = look(0.0, flight, kind, row, begin, piece)
-    return left or (kind != AT_TIP and touches(h, dh, e, abs(flight[2]) + abs(flight[3])))
+    return left or ((kind != AT_TIP or piece[OMEGA] != 0.0) and touches(h, dh, e, abs(flight[2]) + abs(flight[3])))
+
+
+@inlined
+def clear_until(flight: Any, kind: int, row: Any, begin: float, piece: Any, end: float) -> Any:
+    """Return until when a ball that slid off a flipper that turns surely does not come back to one of its surfaces.
+
+    The gap and its rate are 0 at t = 0; so is its second derivative where the normal force has fallen to 0.
+    """
+    (_h, _dh, k), (_e, _d, b), at = look(0.0, flight, kind, row, begin, piece)
+    (dx, dy, vx, vy, g, _x, _y), omega = flight, piece[OMEGA]
+    spin = abs(omega)
+    w = min(end, 1.0 / spin)
+    if abs(k) > b or kind == AT_TIP:  # below 0 it is beyond the end of a side, and goes behind the line of that
+        return min(w, 0.5 * max(abs(k) - b, 0.0) / third(w, at, g, kind, row, omega))
+    ux, uy, _turned = direction_at(0.0, begin, piece)
+    nx, ny = normal_at(kind, ux, uy, row)
+    swing = omega * (nx * dy - ny * dx) + 3.0 * (nx * vx + ny * vy)
+    speed, c3 = at[0] + g * w, -omega * (omega * swing + 3.0 * g * nx)
+    most = spin * spin * (6.0 * g + spin * (4.0 * speed + spin * (at[1] + speed * w)))
+    return min(w, 2.0 * max(c3, 0.0) / most)
 
 
 @inlined

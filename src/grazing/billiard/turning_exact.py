@@ -123,15 +123,17 @@ def _at_rest(
         dx = fly_x - exact(row[PX] + row[ARM] * window.piece[CX])
         dy = fly_y - exact(row[PY] + row[ARM] * window.piece[CY])
         size = exact(row[TIP])
-        h, spread = dx * dx + dy * dy - size * size, float(row[TIP]) ** 2
+        h, scale = dx * dx + dy * dy - size * size, 2.0 * float(row[TIP])
     else:
         nx, ny = _normal(kind, ux, uy, row)
         dx, dy, way = fly_x - exact(row[PX]), fly_y - exact(row[PY]), 1 - 2 * kind
-        h, spread = nx * dx + ny * dy - exact(row[SIZE]), float(row[SIZE]) + abs(state[0]) + abs(state[1])
+        h, scale = nx * dx + ny * dy - exact(row[SIZE]), 1.0
         foot = way * (ny * dx - nx * dy)
         within = foot, exact(row[LONG]) - foot
-    gap = made(surface, int(row[OWNER]), h, within, fresh, spread)
-    pressed = fresh and h[1] < 0  # it has begun to move towards the ball
+    spread = abs(state[0]) + abs(state[1]) + float(row[TIP] + row[ARM] if kind == AT_TIP else row[SIZE])
+    gap = made(surface, int(row[OWNER]), h, within, fresh, spread, scale)
+    rate = SHARE * scale * (abs(state[2]) + abs(state[3]))
+    pressed = fresh and h[1] < -exact(rate)  # it has begun to move towards the ball
     roots = [Root(arb(0), gap, False)] if pressed else roots_of(gap)
     found = []
     for root in roots:

@@ -13,15 +13,17 @@ from typing import Any
 from grazing.billiard import flippers as rows_of_flippers
 from grazing.billiard import rows as rows_of_tables
 from grazing.billiard.contact import next_event, slid_on
-from grazing.billiard.elements import ON, slid
+from grazing.billiard.elements import slid
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, PIECE_WIDTH, PIECES
 from grazing.billiard.flown import COLUMNS, record
 from grazing.billiard.hit import flown, rows_of
 from grazing.billiard.laws import law_at
 from grazing.billiard.objects import Thing
 from grazing.billiard.players import switched
+from grazing.billiard.ride import carried_to
 from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, SIDES, WIDTH, gravity_of
 from grazing.billiard.table import Table
+from grazing.billiard.turning import ON, RIDES
 from grazing.config.tables import LAWS, read_table, shipped
 from grazing.explorer.composed import Module, arguments
 from grazing.explorer.webassembly import Argument, Entry
@@ -74,6 +76,8 @@ def pressed(block: Any, flipper: int, motion: Any, count: int, t: float, goal: f
 def placed(x: float, y: float, vx: float, vy: float, left: float, late: float, clock: float, table: Any) -> Any:
     """Return the state of a ball some time after the begin of its flight or slide, if that lasts as long."""
     surface = slid_on(left, clock, table)
+    if surface >= 0 and left == surface + RIDES:
+        return carried_to(surface, (x, y, vx, vy), late, clock, table)
     if surface >= 0:
         return slid(surface, x, y, vx, vy, late, clock, table)
     return flown(x, y, vx, vy, table[GRAVITY], late)
