@@ -9,13 +9,11 @@ import sys
 
 if (
     sys.argv[:1] == ["-m"]
-    and any(one.endswith("grazing") for one in sys.orig_argv)
+    and "mgrazing." in f"m{sys.orig_argv[-len(sys.argv)]}."  # what is run: grazing, -mgrazing or a module of it
     and not sys.flags.safe_path
     and sys.path[0] != os.path.dirname(os.path.dirname(__file__))
 ):
-    del sys.path[
-        0
-    ]  # the folder that python -m grazing runs in: modules would be looked for among its files, and be run
+    del sys.path[0]  # the folder that it runs in: modules would be looked for among its files, and be run
 
 from importlib import import_module
 from typing import TYPE_CHECKING, Any

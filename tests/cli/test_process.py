@@ -231,14 +231,20 @@ def test_no_terminal_gets_plain_lines():
     assert "\x1b" not in done.stderr + done.stdout
 
 
+TAKEN = ("numpy", "html", "tomllib", "cyclopts", "json", "shlex", "typing", "re", "enum", "pathlib", "urllib")
+
+
+def unsafe():
+    return {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"} | {"PYTHONPATH": str(SOURCE)}
+
+
 @pytest.mark.parametrize("called", [["-m", "grazing"], ["-mgrazing"]])
 def test_a_file_beside_that_is_called_as_a_package_is_not_run(tmp_path, called):
     """Python looks for packages in the folder where -m was said: a file there was run by whatever only reads."""
-    for name in ("numpy", "html", "tomllib", "cyclopts", "json", "shlex", "typing", "re", "enum", "pathlib", "urllib"):
+    for name in TAKEN:
         (tmp_path / f"{name}.py").write_text("open('ran', 'a').write(__name__)\nraise SystemExit(7)\n")
     (tmp_path / "a.toml").write_text('study = "diagram"\nvary.d = "0:1:3"\n')
-    env = {name: value for name, value in os.environ.items() if name != "PYTHONSAFEPATH"} | {"PYTHONPATH": str(SOURCE)}
-    asked = [sys.executable, *called]
+    env, asked = unsafe(), [sys.executable, *called]
     found = subprocess.run(
         [*asked, "info", "a.toml"], cwd=tmp_path, env=env, capture_output=True, text=True, timeout=60
     )
@@ -246,3 +252,23 @@ def test_a_file_beside_that_is_called_as_a_package_is_not_run(tmp_path, called):
     assert found.stdout.startswith("a.toml: configuration")
     at_home = subprocess.run([*asked, "--version"], cwd=SOURCE, env=env, capture_output=True, timeout=60)
     assert at_home.returncode == 0
+
+
+@pytest.mark.parametrize("called", [["-m", "grazing.prepare"], ["-Bmgrazing.prepare"], ["-mgrazing.explorer.build"]])
+def test_nor_by_a_module_of_the_package(tmp_path, called):
+    for name in TAKEN:
+        (tmp_path / f"{name}.py").write_text("raise SystemExit(7)\n")
+    asked = [sys.executable, *called, "--help"]
+    found = subprocess.run(asked, cwd=tmp_path, env=unsafe(), capture_output=True, text=True, timeout=60)
+    assert found.returncode == 0, found.stderr
+    assert found.stdout.startswith("usage: python -m grazing.")
+
+
+def test_a_program_that_uses_the_package_keeps_its_folder(tmp_path):
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / "__init__.py").write_text("import grazing\n")
+    (tmp_path / "mine" / "__main__.py").write_text("import beside\n")
+    (tmp_path / "beside.py").write_text("print('here')\n")
+    asked = [sys.executable, "-m", "mine", "--of", "grazing"]
+    found = subprocess.run(asked, cwd=tmp_path, env=unsafe(), capture_output=True, text=True, timeout=60)
+    assert found.stdout == "here\n", found.stderr

@@ -77,7 +77,7 @@ def test_stored_branches_and_loci_lie_on_a_chart(folder, capsys):
     for other, reason in (
         ("no.nc", "--curves = no.nc; there is no such file, and periods are written 2,3,5 or 2:7"),
         ("chart.nc", "no curve can be drawn from this Dataset; give "),
-        (".", "is not empty and holds no sweep"),
+        (".", "is a folder without a sweep"),
     ):
         assert reason in said(capsys, 2, "plot", "chart.nc", "--curves", other, "-o", "no.svg")
     assert "branch.nc is no chart" in said(capsys, 2, "plot", "branch.nc", "--curves", "locus.nc", "-o", "no.svg")

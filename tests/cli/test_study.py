@@ -267,6 +267,14 @@ def test_a_stiffness_that_is_no_number_is_not_unknown(capsys):
     assert said == "error: --stiffness = nan is not finite; allowed is any finite stiffness\n"
 
 
+@pytest.mark.parametrize("further", [(), ("--config", "a.toml")])
+def test_what_was_not_understood_may_be_what_varies(further, capsys, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "a.toml").write_text("parameters.r = 0.5\n")
+    said = refused(capsys, "diagram", "a.toml", *further)
+    assert len(said.splitlines()) == 1 and said.startswith("error: 'a.toml' is not NAME=START:STOP:COUNT")
+
+
 def test_errors_of_the_line_and_of_the_configuration_stand_one_a_line(capsys):
     said = refused(capsys, "diagram", "d", "d=0.1:0.2:3", "--r", "1.2", "--strats=3").splitlines()
     assert "Unknown option" in said[0]

@@ -265,6 +265,6 @@ def test_unlocking_what_is_no_store(tmp_path):
     with pytest.raises(gz.InputError, match=r"there is no sweep in"):
         sweep.unlock(tmp_path / "b.zarr")
     (tmp_path / "thesis.tex").write_text("mine")
-    with pytest.raises(gz.InputError, match=r"is not empty and holds no sweep"):
+    with pytest.raises(gz.InputError, match=r"is a folder without a sweep"):
         sweep.unlock(tmp_path)
     assert [file.name for file in tmp_path.iterdir()] == ["thesis.tex"]

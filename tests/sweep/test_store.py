@@ -105,10 +105,10 @@ def dangling_link(path):
 @pytest.mark.parametrize(
     ("make", "said"),
     [
-        (foreign_file, "is not a folder; a sweep is stored in a folder of its own"),
-        (foreign_folder, "is not empty and holds no sweep; name another folder"),
+        (foreign_file, "is not a folder; a sweep is stored in a folder of its own$"),
+        (foreign_folder, "is a folder without a sweep; a sweep is stored in a folder of its own$"),
         (foreign_zarr, "was written by something else: it holds no sweep"),
-        (foreign_old_zarr, "is not empty and holds no sweep"),
+        (foreign_old_zarr, "is a folder without a sweep"),
         (foreign_json, "is damaged: zarr.json cannot be used"),
         (dangling_link, "is not a folder"),
     ],

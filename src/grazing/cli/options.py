@@ -247,7 +247,9 @@ def asked_from(
     except GrazingError as error:
         if not problems:
             raise
+        known = {problem.path for problem in problems}
         further = error.problems if isinstance(error, Refusal) else [Problem((), str(error))]
+        further = [problem for problem in further if not problem.path or problem.path not in known]
         raise refusal([*problems, *further], "", given.label) from None
     if problems:
         raise refusal(problems, "", given.label)
@@ -280,7 +282,8 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
         name, equals, text = token.partition("=")
         if not equals or not name:
             file = f"; a file is given with --config {token}" if token.endswith(".toml") else ""
-            problems.append(Problem((), f"{token!r} is not {_forms(study)}{file}"))
+            problems.append(Problem(("vary",), f"{token!r} is not {_forms(study)}{file}"))  # it may have been a range
+            given.here.add(("vary",))
         elif (
             name in states
             or given.here & {("vary", name), ("settings", "fixed", name)}

@@ -38,14 +38,14 @@ def exists(path: Path) -> bool:
         if not path.exists() and not path.is_symlink():
             return False
         if not path.is_dir():
-            raise InputError(f"{path} is not a folder; a sweep is stored in a folder of its own: choose another name")
+            raise InputError(f"{path} is not a folder; a sweep is stored in a folder of its own")
         ours, other = (path / ASIDE).is_dir() or (path / MANIFEST).is_dir(), any(path.iterdir())
         if (path / "zarr.json").is_file():  # since the first look another process gave its whole store this name
             return True
         if ours:
             raise damaged(path, "zarr.json", "it is missing")
         if other:
-            raise InputError(f"{path} is not empty and holds no sweep; name another folder")
+            raise InputError(f"{path} is a folder without a sweep; a sweep is stored in a folder of its own")
     except OSError as error:
         raise InputError(f"{path} cannot be read: {error.strerror or error}; choose another folder") from error
     return False
