@@ -168,7 +168,7 @@ def test_version(capsys):
         (["paper", "--figures"], ["--figures is empty", "1.6"]),
         (["diagram", "d=0:1:3", "-o", "--quiet"], ["-o needs a value behind it. 'grazing diagram"]),
         (["paper", "--json=perhaps"], ["--json is 'perhaps': it takes no value"]),
-        (["sweep", "verify", "a.zarr", "--seed", "1e-4"], ["--seed is '1e-4': no whole number"]),
+        (["sweep", "verify", "a.zarr", "--seed", "1e-4"], ["Invalid value for --seed: '1e-4' is no whole number"]),
     ],
 )
 def test_wrong_usage_is_answered_with_what_to_do(report, capsys, tokens, said):

@@ -291,8 +291,10 @@ def _reworded(error: CycloptsError) -> str:
     if isinstance(error, MissingArgumentError) and error.keyword and type(error) is MissingArgumentError:
         return f"{error.keyword} needs a value behind it."  # the parser takes other options for this one, misspelt
     if isinstance(error, CoercionError) and error.token is not None and error.target_type in (bool, int):
-        value, kind = shown(error.token.value), "it takes no value" if error.target_type is bool else "no whole number"
-        return f"{error.token.keyword} is {value}: {kind}."
+        option, value = error.token.keyword, shown(error.token.value)
+        if error.target_type is bool:
+            return f"{option} is {value}: it takes no value."
+        return f"Invalid value for {option}: {value} is no whole number."
     if isinstance(error, UnknownCommandError) and error.app is app:  # the parser would load every command to name it
         known = [*studies(), *RESULTS, "paper"]
         token = (error.unused_tokens or [""])[0]

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from llvmlite.binding import module as modules
+from grazing.kernel.private import module as modules
 
 
 def linked(target: Any, source: Any) -> None:

@@ -25,6 +25,7 @@ WIDE = {
     "cgutils": "numba.core",
     "cpu_target": "numba.core.registry",
     "lowering": "numba.core",
+    "module": "llvmlite.binding",
     "register_pass": "numba.core.compiler_machinery",
 }
 #: Where those are that keep kernels on disk, and that say how long the compiler took.
