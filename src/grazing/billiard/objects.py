@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from itertools import islice
 from math import hypot, pi
 from types import MappingProxyType
@@ -36,6 +37,12 @@ GEOMETRY: Mapping[str, tuple[Parameter, ...]] = MappingProxyType({
 })  # fmt: skip
 
 
+@lru_cache(maxsize=4096)
+def numbers_of(kind: str, owner: str) -> dict[str, Parameter]:
+    """Return what is known of the numbers of an object, which messages call by its name as well."""
+    return {known.name: replace(known, name=f"{owner}.{known.name}") for known in GEOMETRY[kind]}
+
+
 @dataclass(frozen=True, eq=False)
 class Thing(ByValue):
     """An object of a table; made by :func:`disc`, :func:`segment`, :func:`arc`, :func:`flipper` and :func:`drain`.
@@ -59,10 +66,9 @@ class Thing(ByValue):
                 f"law of {self.name} is {shown(self.law)}; give gz.newton(r), gz.active(r, V), "
                 "gz.triggered(r, V, trigger) or gz.reset(your_law, ...)"
             )
-        known = {one.name: one for one in GEOMETRY[self.kind]}
-        shape = checked_params(self.shape)
+        known, shape = numbers_of(self.kind, str(self.name)), checked_params(self.shape)
         for name, value in shape.items():
-            replace(known[name], name=f"{self.name}.{name}").check(value)
+            known[name].check(value)
         clash = [name for name in (self.law.params if self.law else ()) if name in known]
         if clash:
             raise InputError(f"the law of {self.name} has a parameter {clash[0]!r}, as its shape has; rename it")
@@ -106,6 +112,8 @@ class Thing(ByValue):
 
     def replaced(self, values: Mapping[str, float]) -> Thing:
         """Return the object with all its parameters changed."""
+        if all(values[name] is value for name, value in self.params.items()):  # nothing to be checked again
+            return self
         shape = {name: values[name] for name in self.shape}
         law = self.law.replace(**{name: values[name] for name in self.law.params}) if self.law else None
         return replace(self, shape=shape, law=law)

@@ -126,6 +126,8 @@ class Bounces:
         self.g = table.gravity
         columns = np.array([(s.x, s.y, s.size, s.sign, s.round, s.ex, s.ey) for s in word], np.float64).T
         self.centre, (self.size, self.sign, self.q), self.e = columns[:2], columns[2:5], columns[5:]
+        self.rows = np.arange(self.n)
+        self.before, self.after = (self.rows - 1) % self.n, (self.rows + 1) % self.n
 
     @cached_property
     def _laws(self) -> list[tuple[Callable[[Floats], Floats], Callable[[Floats], Floats]]]:
@@ -143,58 +145,64 @@ class Bounces:
 
     def frames(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Return places p, normals and dp/du along T of coordinates (..., n): (..., 2, n) twice, and (n,)."""
-        flat = np.stack([np.cos(u), np.sin(u)], -2)
-        normal = np.where(self.q, flat * self.sign, np.stack([self.e[1], -self.e[0]]) * self.sign)
+        flat = np.empty((*u.shape[:-1], 2, self.n))
+        np.cos(u, out=flat[..., 0, :])
+        np.sin(u, out=flat[..., 1, :])
+        normal = np.where(self.q, flat * self.sign, self._flat_normals)
         way = np.where(self.q, self.size * flat, u[..., None, :] * self.e + self.size * normal)
         return self.centre + way, normal, np.where(self.q, self.size * self.sign, self.sign)
 
+    @cached_property
+    def _flat_normals(self) -> Floats:
+        return np.stack([self.e[1], -self.e[0]]) * self.sign
+
     def velocities(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the velocities just after and just before the impacts of unknowns (..., 2n), (..., 2, n) each."""
-        u, tau = x[..., : self.n], x[..., None, self.n :]
-        p, _normal, _m = self.frames(u)
-        mean, fall = (np.roll(p, -1, -1) - p) / tau, np.array([[0.0], [0.5 * self.g]]) * tau
-        return mean + fall, np.roll(mean - fall, 1, -1)
+        return self._flown(self.frames(x[..., : self.n])[0], x[..., None, self.n :])
+
+    def _flown(self, p: Floats, tau: Floats) -> tuple[Floats, Floats]:
+        """Return these velocities of flights between places (..., 2, n) that take times (..., 1, n)."""
+        mean, fall = (p[..., self.after] - p) / tau, np.array([[0.0], [0.5 * self.g]]) * tau
+        return mean + fall, (mean - fall)[..., self.before]
 
     def defects(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the defects (k, 2n) of unknowns (k, 2n), and their derivatives (k, 2n, 2n)."""
-        n, k = self.n, len(x)
-        u, tau = x[:, :n], x[:, n:]
+        n, k, i, before, after = self.n, len(x), self.rows, self.before, self.after
+        u, tau = x[:, :n], x[:, None, n:]
         p, normal, m = self.frames(u)
-        T = np.stack([-normal[:, 1], normal[:, 0]], 1)
-        w, b = self.velocities(x)
-        ahead = (np.roll(p, -1, -1) - p) / tau[:, None] ** 2  # -d w/d tau, less gravity's part
+        T = np.empty_like(normal)
+        np.negative(normal[:, 1], out=T[:, 0])
+        T[:, 1] = normal[:, 0]
+        w, b = self._flown(p, tau)
+        ahead = (p[..., after] - p) / tau**2  # -d w/d tau, less gravity's part
         half = np.array([[0.0], [0.5 * self.g]])
         F, J = np.empty((k, 2 * n)), np.zeros((k, 2 * n, 2 * n))
         along, away, coming = (np.einsum("kcn,kcn->kn", *pair) for pair in ((T, w - b), (normal, w), (normal, b)))
         F[:, :n] = along
         slope = np.zeros((k, n))
         if self.energy is None:
-            for i, (law, bend) in enumerate(self._laws):
-                F[:, n + i], slope[:, i] = away[:, i] - law(coming[:, i]), bend(coming[:, i])
+            for j, (law, bend) in enumerate(self._laws):
+                F[:, n + j], slope[:, j] = away[:, j] - law(coming[:, j]), bend(coming[:, j])
         else:
             F[:, n:] = 0.5 * dot(w, w) + self.g * p[:, 1] - self.energy
-        for i in range(n):
-            before, after = (i - 1) % n, (i + 1) % n
-            # velocities change with (u_i, u_next, tau_i) and with (u_last, u_i, tau_last)
-            here, there, last = (-m[i] * T[:, :, i], m[after] * T[:, :, after], -m[before] * T[:, :, before])
-            into, out = tau[:, None, before], tau[:, None, i]
-            dw = (i, here / out), (after, there / out), (n + i, half[:, 0] - ahead[:, :, i])
-            db = (before, last / into), (i, -here / into), (n + before, -half[:, 0] - ahead[:, :, before])
-            turn = self.q[i]
-            J[:, i, i] -= turn * (away[:, i] - coming[:, i])
-            for j, change in dw:
-                J[:, i, j] += dot(T[:, :, i], change)
-                lead = normal[:, :, i] if self.energy is None else w[:, :, i]
-                J[:, n + i, j] += dot(lead, change)
-            for j, change in db:
-                J[:, i, j] -= dot(T[:, :, i], change)
-                if self.energy is None:
-                    J[:, n + i, j] -= slope[:, i] * dot(normal[:, :, i], change)
+        # velocities change with (u_i, u_next, tau_i) and with (u_last, u_i, tau_last)
+        turned = m * T
+        into = tau[..., before]
+        dw = (i, -turned / tau), (after, turned[..., after] / tau), (n + i, half - ahead)
+        db = (before, -turned[..., before] / into), (i, turned / into), (n + before, -half - ahead[..., before])
+        J[:, i, i] -= self.q * (away - coming)
+        lead = normal if self.energy is None else w
+        for j, change in dw:
+            J[:, i, j] += dot(T, change)
+            J[:, n + i, j] += dot(lead, change)
+        for j, change in db:
+            J[:, i, j] -= dot(T, change)
             if self.energy is None:
-                tangential = dot(T[:, :, i], w[:, :, i]) - slope[:, i] * dot(T[:, :, i], b[:, :, i])
-                J[:, n + i, i] += turn * tangential
-            else:
-                J[:, n + i, i] += self.g * m[i] * T[:, 1, i]
+                J[:, n + i, j] -= slope * dot(normal, change)
+        if self.energy is None:
+            J[:, n + i, i] += self.q * (dot(T, w) - slope * dot(T, b))
+        else:
+            J[:, n + i, i] += self.g * m * T[:, 1]
         return F, J
 
     @property
