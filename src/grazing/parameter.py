@@ -25,6 +25,8 @@ OF_A_RIG = {
 }
 #: Most forcing periods between impacts that windows and boundary curves are computed for.
 MANY_PERIODS = 1000
+#: Angles beyond which a double is too coarse for a phase.
+LATEST = 1e15
 #: What a kernel can count to.
 LARGEST = 2**63 - 1
 #: What the names of types of named parameters begin with; no other name does.
@@ -183,6 +185,16 @@ def real(value: Any, name: str, allowed: str) -> float:
     if not math.isfinite(number):
         raise InputError(f"{name} = {number} is not finite; {allowed}")
     return number
+
+
+def refuse_late(time: float, name: str, period: float) -> None:
+    """Raise InputError for a time so far from 0 that a double has no phase in a period, or in all that is followed."""
+    latest = LATEST * period / (2.0 * math.pi)
+    if abs(time) > latest:
+        raise InputError(
+            f"{name} = {time:g}; allowed is |{name}| <= {latest:g}: beyond, doubles are too coarse for what happens "
+            f"within {period:g}; take whole periods off"
+        )
 
 
 def whole(value: Any, name: str, low: int, high: float = LARGEST) -> int:

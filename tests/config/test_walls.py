@@ -9,6 +9,7 @@ import pytest
 import grazing as gz
 from grazing.cli import main
 from grazing.config import checked, command_of, load_config, result_of, toml_of
+from grazing.config.build import model_near
 from grazing.config.maps import map_of, model_of
 from grazing.config.schema import json_schema
 from grazing.config.si import gaps_asked
@@ -116,7 +117,7 @@ def test_a_single_wall_may_be_above():
         (["--walls", "A"], "walls.A = ''; allowed are active, newton, triggered, each alone"),
         ([*SHELL, "B.r=0.5", "--law", "newton"], "--law: the walls bring their own laws; leave the law out"),
         ([*SHELL, "B.r=0.5", "B.q=1"], "B.q: unknown parameter"),
-        ([*SHELL], "B.r: missing; give coefficient of restitution"),
+        ([*SHELL], "error: B.r: missing; give coefficient of restitution"),
         ([*SHELL, "B.r=1.5"], "allowed is 0 <= r <= 1 (coefficient of restitution)"),
         ([*SHELL, "B.r=0.5", "A.sigma=0.5"], "A.sigma is given twice"),
         ([*SHELL, "B.r=0.5", "A.cos=x"], "A.cos[0]"),
@@ -127,6 +128,18 @@ def test_a_single_wall_may_be_above():
 def test_what_is_wrong_with_walls_is_said_in_words(more, said, capsys, monkeypatch):
     monkeypatch.setenv("COLUMNS", "200")
     assert said in " ".join(refused(capsys, "lyapunov", *more).split())
+
+
+def test_what_stands_for_both_walls_begins_in_the_middle_of_its_range():
+    """Windows in r of two walls without one found no value to begin at, and said that r = None."""
+    given = {"alpha": 0.1, "k": 0.5, "omega": 2.0, "cos": [2.0], "A.sigma": -0.5, "B.sigma": 0.5}
+    walls = {"A": "newton", "B": "newton"}
+    recipe = checked({"study": "windows", "walls": walls, "parameters": given, "vary": {"r": "default"}})
+    assert [wall.law.params["r"] for wall in model_near(recipe, "r").walls] == [0.5, 0.5]
+    given, walls = {**given, "r": 0.5}, {"A": "active", "B": "newton"}
+    recipe = checked({"study": "windows", "walls": walls, "parameters": given, "vary": {"A.V": "default"}})
+    with pytest.raises(gz.InputError, match=r"give one, such as A.V=0.1:0.5$"):
+        model_near(recipe, "A.V")
 
 
 def test_walls_in_each_other_are_refused(capsys):

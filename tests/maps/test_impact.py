@@ -181,6 +181,30 @@ def test_the_jacobian_is_undefined_for_a_kick_from_rest():
     assert np.isnan(gz.impact_map(gz.pinball(d=-1.5, V=0.3)).jacobian((0.0, 0.0))).all()
 
 
+LATE = r"{} = -?1e\+17; allowed is \|{}\| <= {}\d*e\+14: beyond, doubles are too coarse for what happens within "
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda Q: Q.orbit((1e17, 0.4), 3),
+        lambda Q: Q((-1e17, 0.4)),
+        lambda Q: gz.basins(Q, {"tau": [0.0, 1e17]}),
+        lambda Q: gz.graph(Q, "tau", [0.0, 1e17]),
+        lambda Q: gz.lyapunov(Q, starts=[(1e17, 0.4)]),
+        lambda Q: gz.orbit_diagram(Q, "omega", [2.2], box=((0.0, 1e17), (0.0, 0.4))),
+    ],
+)
+@pytest.mark.parametrize("walls", [False, True])
+def test_a_phase_that_no_double_has_is_refused_wherever_it_is_given(call, walls):
+    """At 1e300 the ball began at phase 0, certified."""
+    above = [gz.wall(0.5, gz.newton(0.6), side="above"), gz.wall(-0.5, gz.newton(0.6))] if walls else None
+    given = {"walls": above} if walls else {"reset": gz.newton(0.6)}
+    Q = gz.impact_map(gz.Oscillator(alpha=0.1, k=1.0, forcing=gz.Forcing(omega=2.2, cos=(1.0,)), **given))
+    with pytest.raises(gz.InputError, match=LATE.format("tau", "tau", "4.5454")):
+        call(Q)
+
+
 @pytest.mark.parametrize("tau", [0.5, 1e-8, -0.3, 1e16])
 def test_a_start_after_more_periods_than_a_double_counts_is_at_some_phase(tau):
     """In fast arithmetic it was many periods before the first one, and the flight from there took years."""

@@ -81,6 +81,14 @@ def test_a_ball_that_has_left_stays_where_it_is():
     assert set(found.word.values.ravel().tolist()) == {"(out)"}
 
 
+def test_a_phase_that_no_double_has_is_refused():
+    words = r"phase = 1e\+17; allowed is \|phase\| <= 1.4\d+e\+14: beyond, doubles are too coarse .* within 0.9"
+    with pytest.raises(gz.InputError, match=words):
+        gz.collision_map(pair(FLIPS)).origin.check((0.0, 0.0, 1.0, 1e17), {"flips.period": 0.9})
+    with pytest.raises(gz.InputError, match=r"R.phase = 1e\+300; allowed is \|R.phase\| <= "):
+        pair(gz.flips(0.9, 0.4, {"L": 0.0, "R": 1e300}))
+
+
 def test_a_recording_has_no_map_but_launches():
     table = pair(gz.presses(L=[0.5, 0.9, 2.5]))
     with pytest.raises(gz.InputError, match="worked by a recording, which does not repeat"):

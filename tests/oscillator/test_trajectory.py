@@ -109,6 +109,11 @@ def test_a_graze_makes_it_ambiguous():
         (dict(state=(0.1, 0.0), start=2.0, until=2.0), r"until = 2 is not after start = 2; give until > start"),
         (dict(state=(0.1, 0.0), start=2.0, until=-1.0), r"until = -1 is not after start = 2"),
         (dict(state=(0.1, 0.0), until=math.inf), r"until = inf is not finite"),
+        (
+            dict(state=(0.1, 0.0), start=1e17, until=1.1e17),
+            r"start = 1e\+17; allowed is \|start\| <= 4.54545e\+14: beyond, doubles are too coarse for what happens "
+            r"within 2.85599; take whole periods off",
+        ),
         (dict(state=(0.1, 0.0), samples=1), r"samples = 1; allowed is a whole number >= 2"),
         (dict(state=(0.1, 0.0), samples=2.5), r"samples = 2.5; allowed is a whole number >= 2"),
     ],

@@ -241,6 +241,13 @@ def test_error_texts(arguments, more, said):
         basins(*arguments, **more)
 
 
+def test_a_grid_may_be_a_line_in_the_plane_or_a_point():
+    """The grazing curve, which belongs to a plane, asked for a box of some width when all cells were computed."""
+    for grid in ({"u": [0.1], "v": [0.0, 0.1]}, {"v": [0.1, 0.1], "u": [0.1, 0.2]}):
+        found = basins(BALL, grid, transient=5, keep=4)
+        assert found.sizes["attractor"] > 0 and "graze" not in found
+
+
 def test_the_wall_is_looked_for_inside_the_grid_too():
     """Values need not be in order: a state inside the wall is refused wherever it stands."""
     with pytest.raises(gz.InputError, match="the ball starts inside the wall"):

@@ -16,7 +16,7 @@ from typing import Any, NamedTuple
 
 from grazing.copies import ByValue
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, real
+from grazing.parameter import Parameter, real, refuse_late
 
 PERIOD = Parameter("flips.period", "T", "time after which the buttons are pressed again", 0.0, open="low", units="s")
 HOLD = Parameter("hold", "h", "for how long the button is pressed", 0.0, units="s")
@@ -142,6 +142,7 @@ class Flips(ByValue):
                 f"the flipper {name} needs {back:g} to go up and come back to rest, the period is {T:g}; make "
                 f"{name}.{HOLD.name} smaller, or {PERIOD.name} or {name}.down larger"
             )
+        refuse_late(phase, f"{name}.{PHASE.name}", T)
         begin = phase % T
         found = pieces_of(shape, [begin, begin + hold])[1:] if hold > 0.0 else []
         rounds = sorted(one._replace(begin=one.begin - T) if one.begin >= T else one for one in found)

@@ -180,7 +180,8 @@ class Given:
             return f"{self.file}: {'.'.join(path)}"
         if path in TABLES:
             return ""
-        if path[:1] == ("vary",) or path in self.words:
+        own = path[0] == "parameters" and path[-1] not in parameter_names()
+        if path[0] == "vary" or path in self.words or own:
             return ".".join(path[1:])
         return flag(path[-1])
 

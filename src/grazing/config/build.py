@@ -13,7 +13,7 @@ from grazing.catalogue.study import Study, named
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
 from grazing.config.own import refuse_unnamed
-from grazing.config.parameters import described
+from grazing.config.parameters import described, parameter_names
 from grazing.config.schema import ALONE
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.maps.map import Map
@@ -126,15 +126,17 @@ def boundaries_of(config: Mapping[str, Any], *, code: str | None = None) -> xr.D
 
 def model_near(recipe: Recipe, name: str = "", ends: tuple[float, ...] | None = None) -> Any:
     """Return the model of a recipe; a parameter that varies and has no value is in the middle of its range."""
-    given = dict(recipe["parameters"])
-    if name and name not in given and parameter_defaults(recipe).get(name, 0.0) is None:
+    given, defaults = dict(recipe["parameters"]), parameter_defaults(recipe)
+    absent = [one for one in named_by(name, defaults) if one not in given and defaults[one] is None]
+    if absent:
         known = described(name)
         if ends is None and known.high < inf:  # all of its values are searched, whichever it has
             ends = known.low, known.high
         if ends is None:
             said = f"{name} has no default, so its range is not known; give one, such as {name}=0.1:0.5"
-            raise InputError(f"{said}, or a value to search around, such as --{name} 0.3")
-        given[name] = 0.5 * sum(ends)
+            around = f", or a value to search around, such as --{name} 0.3" if name in parameter_names() else ""
+            raise InputError(f"{said}{around}")
+        given |= dict.fromkeys(absent, 0.5 * sum(ends))
     return model_of({**recipe, "parameters": given})
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache, partial
 from math import atan2, hypot, pi, sin, sqrt
 from typing import Any
@@ -46,7 +46,7 @@ from grazing.maps.origin import Origin
 from grazing.maps.played import played_by
 from grazing.maps.settle import Settled
 from grazing.outcome import ESCAPED, FATAL, OK, InputError, shown
-from grazing.parameter import Parameter
+from grazing.parameter import Parameter, refuse_late
 
 Floats = NDArray[np.float64]
 NAN, INFINITY = float("nan"), float("inf")
@@ -133,6 +133,15 @@ class OfTable(Origin):
         """Return what is known of a parameter or coordinate."""
         known = {PHASE.name: PHASE, **COORDINATES, **watched(self.table)}
         return known.get(name) or self.table.describe(name)
+
+    def refuse_late(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a phase so late that a double has none."""
+        if PERIOD.name in params:
+            refuse_late(state[3], PHASE.name, params[PERIOD.name])
+
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a phase that is too late."""
+        self.refuse_late(state, params)
 
     def boxes(self, rows: Floats) -> Floats:
         """Return where starts are drawn: on one object, in all directions away from it."""

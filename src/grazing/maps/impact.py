@@ -26,6 +26,7 @@ from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
 from grazing.outcome import InputError
+from grazing.parameter import refuse_late
 from grazing.systems.contract import System
 
 Floats = NDArray[np.float64]
@@ -63,8 +64,13 @@ class Struck(OfOscillator):
         """Return the tangent and what prepares its numbers."""
         return return_of(*POINTED), constants_of(self.model.harmonics)
 
+    def refuse_late(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a phase so late that a double has none."""
+        refuse_late(state[0], "tau", 2.0 * np.pi / params["omega"])
+
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
-        """Raise InputError for a velocity into the wall."""
+        """Raise InputError for a phase that is too late, or a velocity into the wall."""
+        self.refuse_late(state, params)
         if state[1] < 0.0:
             raise InputError(
                 f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0"

@@ -20,7 +20,7 @@ from grazing.maps.own_step import ending
 from grazing.maps.returning import MAX_PERIODS, within_period
 from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, NO_IMPACT, OK, InputError
-from grazing.parameter import Parameter
+from grazing.parameter import Parameter, refuse_late
 from grazing.systems.contact import Asked, asked_of
 from grazing.systems.contract import System
 from grazing.systems.march import RISING, WHICHEVER
@@ -170,7 +170,8 @@ class Returned(OfSystem):
         return 0.0, tuple(map(float, state))
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
-        """Raise InputError for a start inside a surface."""
+        """Raise InputError for a phase that is too late, or a start inside a surface."""
+        self.refuse_late(state, params)
         if self.leaves == WHICHEVER:
             self.system.refuse_inside(*self.start_of(state), params)
 
@@ -196,6 +197,10 @@ class TimedReturned(Returned):
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of the phase."""
         return PHASE if name == PHASE.name else None
+
+    def refuse_late(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a phase so late that a double has none."""
+        refuse_late(state[0], "tau", self.system.period_at(params))
 
     def start_of(self, state: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         """Return the time at which a state stands, and the coordinates of the system."""

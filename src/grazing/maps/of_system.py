@@ -17,7 +17,7 @@ from grazing.maps.origin import Origin
 from grazing.maps.own_step import ending
 from grazing.maps.settle import said_in_flight
 from grazing.outcome import AMBIGUOUS, FATAL, GRAZE, OK, TOO_MANY_IMPACTS
-from grazing.parameter import parameter_tuple, real
+from grazing.parameter import parameter_tuple, real, refuse_late
 from grazing.systems.contact import Asked, asked_of
 from grazing.systems.contract import System
 from grazing.systems.pointed import Place, pointed_of, system_address
@@ -200,6 +200,7 @@ def map_of_system(system: System, phase: float) -> Map:
     """Return the stroboscopic map of a system; :func:`grazing.stroboscopic_map` calls this."""
     phase = real(phase, "phase", "allowed is any finite number")
     T = system.period_at(system.params)
+    refuse_late(phase, "phase", T)
     widths = tuple(high - low for low, high in system.box)
     surfaces = "".join(one.name for one in system.surfaces)
     return Map(

@@ -122,6 +122,9 @@ class Origin(ByValue):
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a start that is not allowed."""
 
+    def refuse_late(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a phase so late that a double has none, see :func:`grazing.parameter.refuse_late`."""
+
     def complete(self, rows: Floats) -> Floats:
         """Write parameters that follow from others into rows (..., parameters), in place; return these."""
         return rows

@@ -24,6 +24,7 @@ from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
+from grazing.parameter import refuse_late
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -124,8 +125,13 @@ class Returned(OfWalls):
         """Return the derivative of the step with the laws by address: compiled once for all."""
         return self._derived(return_of(POINTED, POINTED), np.column_stack([rows, np.zeros(len(rows))]), arithmetic)
 
+    def refuse_late(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a phase so late that a double has none."""
+        refuse_late(state[0], "tau", 2.0 * np.pi / params["omega"])
+
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a velocity into the only wall; of two walls its sign says which was hit."""
+        self.refuse_late(state, params)
         (wall, *others), v = self.rig.walls, float(state[1])
         if not others and wall.sign * v < 0.0:
             allowed = "v_plus >= 0" if wall.sign > 0.0 else "v_plus <= 0"

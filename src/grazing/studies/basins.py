@@ -303,9 +303,9 @@ def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result:
         ),
     }
     kept = result.drop_vars(["reached_period", "reached_word", "reached_point"])
-    if P.model is not None and P.section == "strobe" and len(axes) == 2:
-        named = list(enumerate(P.coordinates))
-        ends = [(float(axes[name].min()), float(axes[name].max())) if name in axes else P.box[i] for i, name in named]
+    plane = len(axes) == 2 and all(np.ptp(values) > 0.0 for values in axes.values())
+    if P.model is not None and P.section == "strobe" and plane:
+        ends = [(float(axes[name].min()), float(axes[name].max())) for name in P.coordinates]
         curve, order = grazing_arrays(P.model, P.params["phase"], preimages, CURVE, box=ends)
         table["graze"] = (
             ("graze_point", "coordinate"),

@@ -247,6 +247,8 @@ def checked_runs(
         checked_arithmetic(arithmetic),
         None if box is None else checked_box(box, P.coordinates),
     )
+    for corner in zip(*settings.box, strict=True) if settings.box else ():
+        P.origin.refuse_late(corner, P.params)
     found = Runs(P, grids, settings, _moving(P, grids, settings.starts))
     size = found.piece_size if as_they_come else found.kept_size
     refuse_too_large(size, f"reduce starts ({settings.lanes}) or keep ({settings.keep})", "the orbits of one cell")
@@ -274,6 +276,8 @@ def _moving(P: Map, grids: Mapping[str, Floats], starts: int | Floats) -> tuple[
                 for value in grid.tolist():
                     for start in starts:
                         P.origin.check(start, {**P.params, **dict(others), name: value})
+    for start in () if grids or isinstance(starts, int) else starts:
+        P.origin.check(start, P.params)
     return tuple(moving)
 
 
