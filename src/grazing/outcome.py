@@ -106,8 +106,8 @@ _ADVICE = {
         "make the law return v_plus >= 0 for every v_minus < 0",
     ),
     Outcome.too_many_impacts: (
-        "more than 10,000 impacts in one period; on a table more than were allowed, a ball at rest on a level one, or "
-        "bounces too small to tell apart on a flipper that turns",
+        "more than 10,000 impacts in one period; on a table more than were allowed, a ball at rest on a level one, one "
+        "that is jammed, or bounces too small to tell apart on a flipper that turns",
         "choose r < 1 or a larger V, or declare the contraction of the law",
     ),
     Outcome.too_many_swings: (

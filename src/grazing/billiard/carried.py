@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from grazing.billiard.contact import SLIDES, next_event, slid_on
+from grazing.billiard.contact import SLIDES, jammed, next_event, slid_on
 from grazing.billiard.elements import bend_of, element, normal_of
 from grazing.billiard.gates import asked, gate_of, gate_under, motion_at, shut
 from grazing.billiard.hit import away_of, met, period_of
@@ -64,6 +64,7 @@ def next_carried(
             if owner < 0 and surface >= 0 and on == surface + ON and not (last == surface):
                 onto_surface(slopes, columns, width, element(surface, end, table), after)
         if not through and (owner >= 0 or flags & (FATAL | ESCAPED)):
+            flags |= jammed(owner, length, flags, on, end, after, table)
             return (surface, owner, t, flags, on), before, after, found[3], (ax, ay)
         still = still + length if on == left and after == (x, y, 0.0, 0.0) else 0.0
         if still > 0.0 and table[FLIPPERS] > 0.0 and still > 2.0 * period_of(table) > 0.0:

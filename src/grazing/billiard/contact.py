@@ -5,7 +5,19 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import SAME, along, apart, element, gap_of, holds, joins, normal_of, turns_at, width_of
+from grazing.billiard.elements import (
+    SAME,
+    TOUCH,
+    along,
+    apart,
+    element,
+    gap_of,
+    holds,
+    joins,
+    normal_of,
+    turns_at,
+    width_of,
+)
 from grazing.billiard.hit import first_turning, flown, is_open, met, period_of, rows_of, struck
 from grazing.billiard.march import first_contact
 from grazing.billiard.ride import ride
@@ -22,7 +34,9 @@ from grazing.outcome import (
     FATAL,
     GRAZE,
     NO_IMPACT,
+    OK,
     STUCK,
+    TOO_MANY_IMPACTS,
     TOO_MANY_SWINGS,
 )
 
@@ -30,6 +44,9 @@ NAN, INFINITY = float("nan"), float("inf")
 NONE = (NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN)
 #: Flights and slides without an impact after which a ball ends by name.
 SLIDES = 10_000
+#: Impacts without any time after which a ball is jammed, and the share by which they change its velocity then at most.
+#: In a narrow corner there are more, but they turn the velocity, or slow the ball down.
+JAMMED, SAME_SPEED = 16, 2.0**-10
 #: Rises that are looked at closer, as a share of the size of the table.
 SLOW = 1e-9
 #: The part of what tells a place from the line of a wall that rounding cannot make.
@@ -235,6 +252,36 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
     return (surface, owner, t, flags | said, now), before, after, speeds
 
 
+@inlined
+def takes_no_time(t: float, after: Any, table: Any) -> Any:
+    """Say whether a ball that moves on as an impact left it goes no further in a time than rounding can tell."""
+    x, y, vx, vy = after
+    return t * (abs(vx) + abs(vy)) <= TOUCH * (abs(x) + abs(y) + table[LENGTH])
+
+
+@unit
+def jams(left: float, clock: float, state: Any, table: Any) -> Any:
+    """Say whether a ball just after an impact is jammed: two things close on it, and impacts without any time go on."""
+    x, y, vx, vy = state
+    wx, wy = vx, vy
+    for _ in range(JAMMED):
+        (_surface, owner, t, flags, left), _before, (x, y, vx, vy), _speeds = next_event(
+            x, y, vx, vy, left, clock, table
+        )
+        if owner < 0 or flags & (FATAL | ESCAPED) or not takes_no_time(t, (x, y, vx, vy), table):
+            return False
+        clock += t
+    return abs(vx - wx) + abs(vy - wy) <= SAME_SPEED * (abs(wx) + abs(wy))
+
+
+@inlined
+def jammed(owner: int, t: float, flags: int, left: float, clock: float, after: Any, table: Any) -> Any:
+    """Return the flag of a ball that is jammed after an impact, for which it took a time t, at the time ``clock``."""
+    if owner < 0 or flags & (FATAL | ESCAPED) or not takes_no_time(t, after, table):
+        return OK
+    return TOO_MANY_IMPACTS if jams(left, clock, after, table) else OK
+
+
 @unit
 def next_impact(x: float, y: float, vx: float, vy: float, left: float, clock: float, table: Any) -> Any:
     """Return what :func:`next_event` does, for all flights and slides up to the next impact together.
@@ -247,6 +294,7 @@ def next_impact(x: float, y: float, vx: float, vy: float, left: float, clock: fl
         (surface, owner, length, said, on), before, after, speeds = next_event(x, y, vx, vy, left, clock + t, table)
         t, flags = t + length, flags | said
         if owner >= 0 or flags & (FATAL | ESCAPED):
+            flags |= jammed(owner, length, flags, on, clock + t, after, table)
             return (surface, owner, t, flags, on), before, after, speeds
         still = still + length if on == left and after == (x, y, 0.0, 0.0) else 0.0
         if still > 0.0 and table[FLIPPERS] > 0.0 and still > 2.0 * period_of(table) > 0.0:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.billiard.contact import SLIDES, flight_to, next_event, slid_on
+from grazing.billiard.contact import SLIDES, flight_to, jammed, next_event, slid_on
 from grazing.billiard.elements import slid
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.players import Presses
@@ -51,8 +51,8 @@ Floats = NDArray[np.float64]
 INFINITY = float("inf")
 #: Flights of one call of the recorder, and impacts of a trajectory at most.
 CAPACITY, MAX_IMPACTS = 2048, 1_000_000
-#: Flights and slides without any time, at no less speed, after which a ball is jammed: these are impacts for ever.
-JAMMED = 1000
+#: Flights and slides without any time, at no less speed, after which a ball that is slowly squeezed out is given up.
+SQUEEZED = 1000
 #: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
 #: after, flags; then the states at its begin, at its end and just after the impact there; the surface on which it is a
 #: slide, -1 for a flight; the surface left at its begin, as kernels know it.
@@ -78,6 +78,7 @@ def record(block: Any, now: Any, flights: Any, until: float) -> int:
     x, y, vx, vy, count, going = now[2], now[3], now[4], now[5], 0, True
     while going and count < flights.shape[0]:
         (surface, owner, length, flags, on), before, after, speeds = next_event(x, y, vx, vy, left, t, table)
+        flags |= jammed(owner, length, flags, on, t + length, after, table)
         row = flights[count]
         row[PATH], row[LEFT] = slid_on(left, t, table), left
         row[TIME], row[SURFACE], row[OWNER], row[FLAGS] = length, surface, owner, flags
@@ -190,10 +191,10 @@ def played_flights(
         hits, idle = hits + len(met), len(flights) - 1 - met[-1] if len(met) else idle + len(flights)
         moves, speed = np.flatnonzero(flights[:, TIME] > 0.0), np.hypot(flights[:, NEXT + 2], flights[:, NEXT + 3])
         jam, fast = (len(flights) - 1 - moves[-1], speed[moves[-1]]) if len(moves) else (jam + len(flights), fast)
-        if jam > JAMMED and speed[-1] < 0.5 * fast:  # it comes to rest in a corner
+        if jam > SQUEEZED and speed[-1] < 0.5 * fast:  # it comes to rest in a corner
             jam, fast = 0, speed[-1]
-        if going and (hits >= most or jam > JAMMED or idle > SLIDES):
-            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most or jam > JAMMED else TOO_MANY_SWINGS)
+        if going and (hits >= most or jam > SQUEEZED or idle > SLIDES):
+            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most or jam > SQUEEZED else TOO_MANY_SWINGS)
             break
     return np.concatenate(found), pressed
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import floor
 from typing import Any
 
-from grazing.billiard.contact import flight_to, next_impact
+from grazing.billiard.contact import flight_to, jammed, next_impact
 from grazing.billiard.faces import guess, met_side, of_face, passes
 from grazing.billiard.gaps import (
     MISSED,
@@ -88,9 +88,10 @@ def impact_of(w: Any, i: int, table: Any) -> Any:
     x, y, vx, vy, left, clock = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], w[W.LEFT + i], w[W.CLOCK + i]
     if not w[W.DOUBT + i] > 0.0:
         found = flight_to(int(w[W.SURFACE + i]), w[W.TIME + i], OK, (x, y, vx, vy), left, clock, table)
-        (_surface, owner, _t, flags, _on), _before, _after, _speeds = found
+        (surface, owner, t, flags, on), before, after, speeds = found
         if owner >= 0 or flags & (FATAL | ESCAPED):  # else it begins to slide
-            return found
+            flags |= jammed(owner, t, flags, on, clock + t, after, table)
+            return (surface, owner, t, flags, on), before, after, speeds
     return next_impact(x, y, vx, vy, left, clock, table)
 
 
