@@ -72,6 +72,18 @@ def test_a_lock_goes_away_with_an_exception(folder):
     assert holders(folder) == []
 
 
+def test_what_ended_the_work_is_said_although_its_lock_cannot_be_removed(folder, monkeypatch):
+    """On a disk that can only be read since, all that was said was ``[Errno 30] ... 'all.lock'``."""
+
+    def refused(*_given):
+        raise OSError(30, "Read-only file system")
+
+    with pytest.raises(gz.GrazingError, match="resume"), locked(folder, None):
+        monkeypatch.setattr(lock.Place, "remove", refused)
+        raise gz.GrazingError("make room, and resume")
+    assert holders(folder) == [] and not lock._held
+
+
 def test_the_lock_of_a_dead_process_of_this_machine_is_taken_over(folder):
     put(folder, "all.lock", OTHER | {"host": socket.gethostname(), "pid": os.getpid()})  # its number lives, it does not
     put(folder, "shard-1-of-2.lock", OTHER | {"host": socket.gethostname(), "shard": "1/2"})

@@ -200,14 +200,16 @@ def test_one_maker_is_not_mentioned(store):
     assert sweep.status(store).mixture == ""
 
 
-def test_the_package_s_own_text_counts(monkeypatch):
+@pytest.mark.parametrize("text", ["lanes.py", "saltation.py", "flippers.py", "windows.py", "parameter.py"])
+def test_the_package_s_own_text_counts(text, monkeypatch):
+    """That of systems and of tables did not."""
     from grazing.sweep import made_by
 
     found = made_by.made_by(plan(7))
     assert set(found) >= {"code", "package", "grazing", "numpy", "numba", "llvmlite", "python", "machine", "arithmetic"}
     before = made_by._package.__wrapped__()
     read = Path.read_bytes
-    monkeypatch.setattr(Path, "read_bytes", lambda file: read(file) + b"#" * (file.name == "lanes.py"))
+    monkeypatch.setattr(Path, "read_bytes", lambda file: read(file) + b"#" * (file.name == text))
     assert made_by._package.__wrapped__() != before == found["package"]
 
 

@@ -263,9 +263,10 @@ def _put(locks: Place, name: str, me: Lock) -> int:
 
 def _release(locks: Place, name: str, handle: int) -> None:
     try:
-        if _is(locks, name, handle):
-            locks.remove(name)
-    finally:  # a lock that cannot be removed is a dead one
+        with suppress(OSError):  # a lock that cannot be removed is a dead one
+            if _is(locks, name, handle):
+                locks.remove(name)
+    finally:
         if handle in _held:  # not in a fork, which dropped it
             _held.discard(handle)
             os.close(handle)
