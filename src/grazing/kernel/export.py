@@ -45,6 +45,15 @@ OWN: dict[str, tuple[Callable[..., float], int]] = {
 }
 
 
+#: Those of them that differ from the library's in the last digit.
+INEXACT = [name for name in OWN if name != "fmod"]
+
+
+def borrowed_by(text: str) -> set[str]:
+    """Return the functions of the C library that intermediate code calls and of which a module has not every digit."""
+    return {name for name in INEXACT if re.search(rf"@(llvm\.{name}\.f64|{name})\(", text)}
+
+
 def refuse_elsewhere() -> None:
     """Raise InputError in a process without :data:`ENVIRONMENT`."""
     wrong = {name: value for name, value in ENVIRONMENT.items() if os.environ.get(name) != value}

@@ -1,6 +1,6 @@
 // @ts-check
 /** The gap map: its diagram in μ with the windows of theory, and the cobweb at the chosen μ. */
-import { Cobweb, walk } from "./cobweb.js";
+import { Cobweb } from "./cobweb.js";
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found } from "./jobs.js";
@@ -83,6 +83,16 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
   }
 }
 
+/** One step of the map. @param {State} state @param {number} x */
+const stepped = ({ lam, mu, l }, x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
+
+/** A start and what follows it. @param {State} state */
+function walk(state) {
+  const found = [state.x0];
+  for (let n = 0; n < state.web; n++) found.push(stepped(state, found[n]));
+  return found;
+}
+
 /** The diagram that a state asks for. @param {State} state @param {number} tolerance @returns {import("./diagram.js").Spec} */
 function diagramOf(state, tolerance) {
   const [low, high] = state.range ?? reach(state.lam, state.l, state.span);
@@ -151,6 +161,17 @@ export class GapView {
       if (each.period > 0) each.multiplier = each.points.reduce((product, [x]) => product * (x < 0 ? state.lam : -0.5 / Math.sqrt(x)), 1);
     }
     this.cobweb.draw();
+  }
+
+  /** The cobweb at μ. @returns {import("./cobweb.js").Web} */
+  web() {
+    const { state } = this, { lam, mu, l } = state, seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).filter(Number.isFinite);
+    let low = Math.min(mu - l - Math.sqrt(Math.max(mu, 0)), ...seen, -0.02), high = Math.max(mu, ...seen, 0.02);
+    const room = 0.08 * (high - low);
+    low -= room;
+    high += room;
+    const root = Array.from({ length: 121 }, (_, i) => { const x = high * (i / 120) ** 2; return [x, stepped(state, x)]; });
+    return { ends: [[low, high], [low, high]], labels: ["xₙ", "xₙ₊₁"], graph: [[[low, lam * low + mu], [0, mu]], root], cross: 0, walk: walk(state).map((x) => [x]) };
   }
 
   /** What of theory lies under the diagram of a state. @param {Axes} axes @param {Pen} c @param {State} state */
