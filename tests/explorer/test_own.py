@@ -21,6 +21,7 @@ from grazing.explorer.oscillator import oscillator_module
 from grazing.explorer.server import server
 from grazing.explorer.webassembly import linker
 from grazing.kernel.content import below, digest
+from grazing.kernel.export import borrowed_by
 from grazing.outcome import InputError, UserCodeError
 from grazing.studies.basins import basins
 from grazing.studies.chart import chart
@@ -349,6 +350,53 @@ def test_a_law_that_does_not_compile_is_said(file):
     entries = [entry for entry in oscillator_module(law).entries if entry.name == "zero_time"]
     with pytest.raises(UserCodeError, match=r"the reset law summed does not compile: .*fsum.*rig\.py"):
         Calls(entries, "the reset law summed")
+
+
+@pytest.fixture
+def compiler(monkeypatch, tmp_path):
+    """Stands for that of a machine with a linker; what it makes, and what it says, are to be set."""
+    made = {"answer": (b"\0asm", ""), "asked": 0}
+
+    def compiled_apart(_text):
+        made["asked"] += 1
+        return made["answer"]
+
+    home = tmp_path / "kept"
+    home.mkdir()
+    monkeypatch.setattr(own, "linker", lambda: ["wasm-ld"])
+    monkeypatch.setattr(own, "toolchain", dict)
+    monkeypatch.setattr(own, "folders", lambda: (home, None))
+    monkeypatch.setattr(own, "compiled_apart", compiled_apart)
+    return made
+
+
+def test_a_module_is_kept_and_one_that_was_damaged_compiled_anew(file, compiler, tmp_path):
+    named = Named(f"{file}:ricker")
+    for _ in range(2):
+        assert own.module_of(named, own.brought(named), False, print) == b"\0asm" and compiler["asked"] == 1
+    (kept,) = (tmp_path / "kept").iterdir()
+    kept.write_bytes(kept.read_bytes().replace(b"\0asm", b"\0bad"))
+    with pytest.warns(RuntimeWarning, match="it is damaged"):
+        assert own.module_of(named, own.brought(named), False, print) == b"\0asm"
+    assert compiler["asked"] == 2
+
+
+def test_what_a_module_has_not_to_the_last_digit_is_computed_by_the_server(file, compiler):
+    named, said = Named(f"{file}:ricker"), []
+    compiler["answer"] = b"\0asm", "the step of growing takes exp of the library of this machine"
+    assert own.module_of(named, own.brought(named), False, said.append) is None
+    assert "takes exp of the library" in said[-1] and "the server computes" in said[-1]
+    assert own.module_of(named, own.brought(named), True, said.append) == b"\0asm" and "last digit" in said[-1]
+    compiler["answer"] = None, "sin: a module that imports nothing cannot have that"
+    named = Named(f"{file}:large")
+    assert own.module_of(named, own.brought(named), False, said.append) is None
+    with pytest.raises(InputError, match="could not be compiled for the browser: sin"):
+        own.module_of(named, own.brought(named), True, said.append)
+
+
+def test_functions_of_the_library_are_seen_in_code():
+    text = "%a = call double @llvm.exp.f64(x)\n@tan(y) @llvm.fabs.f64(z) @numba_gamma(w) @floor(x) @own_log1p(x)"
+    assert borrowed_by(text) == {"exp", "tan", "gamma"}
 
 
 def test_a_law_of_the_package_needs_no_compiler(file, tmp_path, monkeypatch):

@@ -198,7 +198,8 @@ def module_of(text: Named, found: Brought, copied: bool, say: Callable[[str], No
     if made is None:
         say(f"compiling {found.who} for the browser, about a minute")
         made = compiled_apart(text)
-        kept.save(tools, made)
+        if made[0] is not None:
+            kept.save(tools, made)
     code, why = made
     if why and not copied:
         say(f"{why}: {instead}")
@@ -235,7 +236,7 @@ def main() -> int:
         print(error, file=sys.stderr)
         return 2
     if borrowed:
-        print(f"{found.who} takes {', '.join(sorted(borrowed))} from the library of this machine", file=sys.stderr)
+        print(f"{found.who} takes {', '.join(sorted(borrowed))} of the library of this machine", file=sys.stderr)
     Path(target).write_bytes(code)
     return 0
 

@@ -199,7 +199,7 @@ def exported(entries: Sequence[Entry], borrowed: set[str] | None = None) -> byte
         What the module exports, beside ``memory``, ``__heap_base``, from where on memory is free, and
         ``arena(address)``, which says where kernels may put arrays of their own.
     borrowed : set of str, optional
-        The functions of the C library are added of which a step has another last digit in the module.
+        The functions of the C library are added that the step calls: it may have another last digit in the module.
 
     Returns
     -------
@@ -227,6 +227,8 @@ def exported(entries: Sequence[Entry], borrowed: set[str] | None = None) -> byte
         texts += [text, _door(entry, name)]
         if borrowed is not None and entry.name == "orbits":
             borrowed |= borrowed_by(text)
+            if missing := borrowed - OWN.keys():
+                raise InputError(f"{', '.join(sorted(missing))}: a module that imports nothing cannot have that")
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
         source.write_bytes(emitted(texts, {"grazing_arena", *(f"grazing_{entry.name}" for entry in entries)}))

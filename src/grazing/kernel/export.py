@@ -45,13 +45,16 @@ OWN: dict[str, tuple[Callable[..., float], int]] = {
 }
 
 
-#: Those of them that differ from the library's in the last digit.
-INEXACT = [name for name in OWN if name != "fmod"]
+#: Functions of the C library whose last digits differ from one to another.
+LIBRARY = frozenset(
+    "acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp2 expm1 gamma hypot lgamma log log10 log1p "
+    "log2 pow sin sinh tan tanh tgamma".split()
+)
 
 
 def borrowed_by(text: str) -> set[str]:
-    """Return the functions of the C library that intermediate code calls and of which a module has not every digit."""
-    return {name for name in INEXACT if re.search(rf"@(llvm\.{name}\.f64|{name})\(", text)}
+    """Return the functions of the C library that intermediate code calls, but for those that are exact everywhere."""
+    return {*re.findall(r"@(?:llvm\.|numba_)?(\w+?)(?:\.f64)?\(", text)} & LIBRARY
 
 
 def refuse_elsewhere() -> None:
