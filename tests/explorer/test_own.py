@@ -30,6 +30,7 @@ from grazing.studies.density import density
 from tests.explorer.browser import Shown
 from tests.explorer.machine import KINDS, Module, classes, draw, fields_of, orbits, raster, whole
 from tests.explorer.test_kernels import followed
+from tests.explorer.test_page import AXE
 
 TEXT = """
 import math
@@ -672,6 +673,29 @@ def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page,
         assert words[0] == "grazing" and main(words[1:]) == 0, capsys.readouterr().err
         assert name in gz.load(to)
     assert shown.problem() == ""
+
+
+def violations(browser, link, scheme):
+    context = browser.new_context(color_scheme=scheme, reduced_motion="reduce")
+    page = Shown(context.new_page())
+    page.open(link)
+    page.page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.page.evaluate("() => axe.run()")["violations"]
+    context.close()
+    return [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_reports_no_violation_of_a_map(browser, map_page, scheme):
+    for view in ("map&web=5", "chart&chart=map", "chart&chart=map-basins"):
+        assert violations(browser, f"{map_page}#version=2&view={view}&{FEW}", scheme) == [], view
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+def test_axe_reports_no_violation_of_a_law(browser, rig):
+    for view in ("oscillator", "strobe", "chart&chart=oscillator&chart_columns=4&chart_rows=3"):
+        assert violations(browser, f"{rig}#{LAW}&view={view}&{SMALL}", "dark") == [], view
 
 
 def test_a_link_of_a_map_that_the_page_does_not_have_says_so(shown, address):

@@ -5,7 +5,7 @@
  */
 import { periodColour, theme } from "./colours.js";
 import { Axes } from "./plot.js";
-import { tidy } from "./state.js";
+import { later, tidy } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -129,5 +129,31 @@ export class Cobweb {
       dot(x, y, 4);
     });
     axes.frame(labels[0], labels[1]);
+  }
+}
+
+/** A view of a diagram with a cobweb beside it. */
+export class Beside {
+  /** @type {State} */ state = later();
+  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
+  /** @type {import("./diagram.js").Diagram} */ diagram = later();
+  /** @type {Cobweb} */ cobweb = later();
+
+  get canvas() {
+    return this.diagram.axes.canvas;
+  }
+
+  /** @returns {import("./svg.js").Panel[]} */
+  panels() {
+    return [this.diagram, this.cobweb].map((each) => ({ sheet: each.axes, draw: () => each.draw() }));
+  }
+
+  repaint() {
+    this.diagram.paint();
+    if (this.state) this.cobweb.draw();
+  }
+
+  raster() {
+    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
   }
 }

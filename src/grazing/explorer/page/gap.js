@@ -1,11 +1,11 @@
 // @ts-check
 /** The gap map: its diagram in μ with the windows of theory, and the cobweb at the chosen μ. */
-import { Cobweb } from "./cobweb.js";
+import { Beside, Cobweb } from "./cobweb.js";
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found } from "./jobs.js";
 import { words } from "./orbits.js";
-import { LONGEST, later, numeral } from "./state.js";
+import { LONGEST, numeral } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -103,11 +103,9 @@ function diagramOf(state, tolerance) {
   };
 }
 
-export class GapView {
-  /** @type {State} */ state = later();
+export class GapView extends Beside {
   /** @type {Window[]} */ windows = [];
   /** @type {import("./jobs.js").Class[]} */ classes = [];
-  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
 
   /**
    * @param {Machine} machine
@@ -116,6 +114,7 @@ export class GapView {
    * @param {import("./state.js").Events} events
    */
   constructor(machine, pool, described, { change, problem, done }) {
+    super();
     this.machine = machine;
     this.described = described;
     this.tolerance = described.tolerance;
@@ -130,15 +129,6 @@ export class GapView {
       done,
     });
     this.cobweb = new Cobweb(this, { change });
-  }
-
-  get canvas() {
-    return this.diagram.axes.canvas;
-  }
-
-  /** @returns {import("./svg.js").Panel[]} */
-  panels() {
-    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb.axes, draw: () => this.cobweb.draw() }];
   }
 
   /** The diagram that another state asks for. @param {State} state */
@@ -177,15 +167,6 @@ export class GapView {
   /** What of theory lies under the diagram of a state. @param {Axes} axes @param {Pen} c @param {State} state */
   backdrop(axes, c, { lam, l }) {
     drawWindows(axes, c, windows(this.machine, lam, l));
-  }
-
-  repaint() {
-    this.diagram.paint();
-    if (this.state) this.cobweb.draw();
-  }
-
-  raster() {
-    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
   }
 
   /** @param {Axes} axes */

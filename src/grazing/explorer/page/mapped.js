@@ -1,6 +1,6 @@
 // @ts-check
 /** A map of the user's own: its diagram in any of its parameters, and the cobweb or the plane of its orbits. */
-import { Cobweb } from "./cobweb.js";
+import { Beside, Cobweb } from "./cobweb.js";
 import { theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
 import { Diagram } from "./diagram.js";
@@ -8,7 +8,7 @@ import { events, planned, valueOf } from "./flow.js";
 import { linspace } from "./jobs.js";
 import { BROUGHT } from "./laws.js";
 import { SEARCHING, Search, words } from "./orbits.js";
-import { later, numeral } from "./state.js";
+import { numeral } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
@@ -50,10 +50,7 @@ function graphOf(machine, row, [low, high]) {
   return pieces.filter((piece) => piece.length);
 }
 
-export class MapView {
-  /** @type {State} */ state = later();
-  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
-  /** What is drawn of the map itself, and for which parameters. */
+export class MapView extends Beside {
   #graph = /** @type {number[][][]} */ ([]);
   #drawn = "";
   /** @type {Floats} */ #row = new Float64Array(0);
@@ -65,6 +62,7 @@ export class MapView {
    * @param {import("./state.js").Events} told
    */
   constructor(machine, pool, described, { change, problem, done }) {
+    super();
     this.machine = machine;
     this.tolerance = described.tolerance;
     this.flat = machine.described.coordinates.length > 1;
@@ -78,11 +76,6 @@ export class MapView {
 
   get classes() {
     return this.search.classes;
-  }
-
-  /** @returns {import("./svg.js").Panel[]} */
-  panels() {
-    return [this.diagram, this.cobweb].map((each) => ({ sheet: each.axes, draw: () => each.draw() }));
   }
 
   /** The diagram that another state asks for. @param {State} state */
@@ -125,15 +118,6 @@ export class MapView {
     const { points, letters } = web ? steps(this.machine, this.#row, Float64Array.from(start), 1, web) : { points: [], letters: [] };
     for (let n = 0; n < web && Number.isFinite(points[n * start.length]); n++) states.push(Array.from(points.slice(n * start.length, (n + 1) * start.length)));
     return { states, letters: Array.from(letters) };
-  }
-
-  repaint() {
-    this.diagram.paint();
-    if (this.state) this.cobweb.draw();
-  }
-
-  raster() {
-    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
   }
 
   /** What is shown, in words. */
