@@ -1,24 +1,27 @@
-"""A reset law of the user's own in the explorer: compiled for the browser, or computed by the server, as in Python."""
+"""A reset law or a map of one's own in the explorer: compiled for the browser, or computed by the server, as Python."""
 
 import http.client
 import json
 import re
+import shlex
 import struct
 import threading
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
 
 import grazing as gz
 from grazing.cli.app import main
-from grazing.config.own import Named
+from grazing.config.own import Named, own_object
 from grazing.explorer import own
 from grazing.explorer.build import shipped
 from grazing.explorer.calls import CALLS, LARGEST_CALL, Calls
 from grazing.explorer.oscillator import oscillator_module
 from grazing.explorer.server import server
 from grazing.explorer.webassembly import linker
-from grazing.kernel.content import digest
+from grazing.kernel.content import below, digest
+from grazing.kernel.export import borrowed_by
 from grazing.outcome import InputError, UserCodeError
 from grazing.studies.basins import basins
 from grazing.studies.chart import chart
@@ -27,6 +30,7 @@ from grazing.studies.density import density
 from tests.explorer.browser import Shown
 from tests.explorer.machine import KINDS, Module, classes, draw, fields_of, orbits, raster, whole
 from tests.explorer.test_kernels import followed
+from tests.explorer.test_page import AXE
 
 TEXT = """
 import math
@@ -55,7 +59,60 @@ def summed(v, p):
 
 
 broken = gz.Oscillator(0.3, 1.0, gz.Forcing(2.2), gz.reset(summed, r=0.8))
+
+
+def left(state, p):
+    return (p.a * state[0] + p.mu,)
+
+
+def right(state, p, root):
+    return (p.mu - p.b * root,)
+
+
+def border(state, p):
+    return state[0] / 1000.0
+
+
+# a map by pieces in large units, with two attractors for some parameters
+large = gz.Map(
+    pieces={"L": left, "R": right}, border=border, params={"mu": 66.0, "a": 0.45, "b": 1000.0},
+    coordinates=("q",), box=((-1000.0, 500.0),),
+)
+
+
+def henon(state, p):
+    x, y = state
+    return 1.0 - p.a * x * x + y, p.b * x
+
+
+plane = gz.Map(
+    henon, params={"a": 1.2, "b": 0.3}, coordinates=("x", "y"), box=((-1.0, 1.0), (-0.4, 0.4)), escape=100.0
+)
+
+
+def deep(state, p):
+    return (p.a + 0.1 * state[0], state[0], state[1])
+
+
+space = gz.Map(deep, params={"a": 1.0}, coordinates=("x", "y", "z"), box=((0.0, 1.0),) * 3)
+bare = gz.Map(lambda state, p: (0.5 * state[0],))
+
+
+def growing(state, p):
+    return (state[0] * math.exp(p.r * (1.0 - state[0])),)
+
+
+ricker = gz.Map(growing, params={"r": 2.2}, box=((0.1, 2.0),))
 """
+
+
+#: Who computes: a module takes long to compile.
+WAYS = [
+    "server",
+    pytest.param(
+        "module", marks=[pytest.mark.long, pytest.mark.skipif(linker() is None, reason="no WebAssembly linker")]
+    ),
+]
 
 
 def called(described, name, given):
@@ -95,7 +152,7 @@ def file(tmp_path_factory):
 
 @pytest.fixture(scope="session")
 def model(file):
-    return own.checked(Named(f"{file}:model"))
+    return own_object(Named(f"{file}:model"), "model")
 
 
 @pytest.fixture(scope="session")
@@ -109,19 +166,12 @@ def caller(model, told):
     return Caller(Calls(oscillator_module(model.reset).entries, "the law"), told)
 
 
-@pytest.fixture(
-    scope="session",
-    params=[
-        "server",
-        pytest.param(
-            "module", marks=[pytest.mark.long, pytest.mark.skipif(linker() is None, reason="no WebAssembly linker")]
-        ),
-    ],
-)
+@pytest.fixture(scope="session", params=WAYS)
 def machine(request, file, model, told):
     if request.param == "server":
         return request.getfixturevalue("caller")
-    return Module(own.module_of(Named(f"{file}:model"), oscillator_module(model.reset), print), told)
+    named = Named(f"{file}:model")
+    return Module(own.module_of(named, own.brought(named), True, print), told)
 
 
 def rows_of(told, model, name, values, **more):
@@ -209,6 +259,66 @@ def test_between_two_walls_each_has_the_law(machine, told, model):
     np.testing.assert_array_equal(outcomes[0, 0], want[2])
 
 
+# ---- maps
+
+
+@pytest.fixture(scope="session", params=["large", "plane"])
+def mapped(request, file):
+    """A map by its name, what the page is told of its module, and the map."""
+    named = Named(f"{file}:{request.param}")
+    found = own.brought(named)
+    return named, found, own.described_module(found.name, found.module), own_object(named, "model")
+
+
+@pytest.fixture(scope="session")
+def map_calls(mapped):
+    return Calls(mapped[1].module.entries, mapped[1].who)
+
+
+@pytest.fixture(scope="session", params=WAYS)
+def map_machine(request, mapped):
+    named, found, told, _P = mapped
+    if request.param == "server":
+        return Caller(request.getfixturevalue("map_calls"), told)
+    return Module(own.module_of(named, found, True, print), told)
+
+
+def map_rows(P, name, values):
+    return np.array([list(P.replace(**{name: value}).params.values()) for value in values])
+
+
+def test_diagram_chart_and_basins_of_a_map_are_those_of_python(map_machine, mapped):
+    P, names = mapped[3], list(mapped[3].params)
+    centre = P.params[names[0]]
+    values, others = np.linspace(0.6 * centre, 1.4 * centre, 9), P.params[names[1]] * np.array([0.7, 1.0])
+    for i, coordinate in enumerate(P.coordinates):
+        want = density(P, names[0], values, bins=90, coordinate=coordinate, starts=5, transient=20, keep=30, seed=3,
+                       arithmetic="strict")  # fmt: skip
+        rows = map_rows(P, names[0], values)
+        ends = (want[coordinate].attrs[end] for end in ("low", "high"))
+        counts, ended, _ambiguous = raster(
+            map_machine, rows, draw(map_machine, P.dimension, rows, values, 5, 3), 20, 30, i, *ends, 90
+        )
+        np.testing.assert_array_equal(counts[:, 1:-2], want["count"].values)
+        np.testing.assert_array_equal(ended, want["ended"].values)
+    want = chart(P, {names[0]: values, names[1]: others}, starts=4, transient=200, keep=64, seed=7, arithmetic="strict")
+    cells = np.array([(value, other) for value in values for other in others])
+    rows = np.array([list(P.replace(**dict(zip(names, cell, strict=False))).params.values()) for cell in cells])
+    made = orbits(map_machine, rows, draw(map_machine, P.dimension, rows, cells, 4, 7), 200, 64)
+    period, _key, _begin, _length, count, first = classes(map_machine, rows, *made, TOLERANCE)
+    ranked = np.where(count > 0, np.take_along_axis(period, first, 1), -3)[:, 0]
+    np.testing.assert_array_equal(ranked, want["period"].values[..., 0].ravel())
+    assert len({*ranked.tolist()}) > 1
+    grid = {name: np.linspace(*ends, 6) for name, ends in zip(P.coordinates, P.box, strict=True)}
+    want = basins(P, grid, transient=300, arithmetic="strict")
+    states = np.stack(np.meshgrid(*grid.values(), indexing="ij"), -1).reshape(-1, P.dimension)
+    row = map_rows(P, names[0], [centre])
+    made = orbits(map_machine, row, np.ascontiguousarray(states.T[None]), 300, 64)
+    np.testing.assert_array_equal(
+        classes(map_machine, row, *made, TOLERANCE)[0][0], want["period"].values[want["basin"].values.ravel()]
+    )
+
+
 # ---- what the page shows, and what it does not
 
 
@@ -218,7 +328,9 @@ def test_between_two_walls_each_has_the_law(machine, told, model):
         ("four", "four has 4 harmonics; the explorer shows"),
         ("damped", "damped has negative damping; the explorer shows"),
         ("two", "two is a gz.Walled; the explorer shows a gz.Oscillator above one wall"),
-        ("some_map", "some_map is a gz.Map; the explorer shows a gz.Oscillator"),
+        ("some_map", "the map some_map is one of the library, which its own views show"),
+        ("space", "the map space has 3 coordinates; the explorer shows a gz.Map of your own, of one or two"),
+        ("bare", "the map bare has no parameters; the explorer shows"),
         ("none", "has no name 'none'; it has"),
     ],
 )
@@ -235,10 +347,57 @@ def test_what_is_no_name_of_a_model_is_said_as_it_was_given(given, capsys):
 
 
 def test_a_law_that_does_not_compile_is_said(file):
-    law = own.checked(Named(f"{file}:broken")).reset
+    law = own_object(Named(f"{file}:broken"), "model").reset
     entries = [entry for entry in oscillator_module(law).entries if entry.name == "zero_time"]
     with pytest.raises(UserCodeError, match=r"the reset law summed does not compile: .*fsum.*rig\.py"):
         Calls(entries, "the reset law summed")
+
+
+@pytest.fixture
+def compiler(monkeypatch, tmp_path):
+    """Stands for that of a machine with a linker; what it makes, and what it says, are to be set."""
+    made = {"answer": (b"\0asm", ""), "asked": 0}
+
+    def compiled_apart(_text):
+        made["asked"] += 1
+        return made["answer"]
+
+    home = tmp_path / "kept"
+    home.mkdir()
+    monkeypatch.setattr(own, "linker", lambda: ["wasm-ld"])
+    monkeypatch.setattr(own, "toolchain", dict)
+    monkeypatch.setattr(own, "folders", lambda: (home, None))
+    monkeypatch.setattr(own, "compiled_apart", compiled_apart)
+    return made
+
+
+def test_a_module_is_kept_and_one_that_was_damaged_compiled_anew(file, compiler, tmp_path):
+    named = Named(f"{file}:ricker")
+    for _ in range(2):
+        assert own.module_of(named, own.brought(named), False, print) == b"\0asm" and compiler["asked"] == 1
+    (kept,) = (tmp_path / "kept").iterdir()
+    kept.write_bytes(kept.read_bytes().replace(b"\0asm", b"\0bad"))
+    with pytest.warns(RuntimeWarning, match="it is damaged"):
+        assert own.module_of(named, own.brought(named), False, print) == b"\0asm"
+    assert compiler["asked"] == 2
+
+
+def test_what_a_module_has_not_to_the_last_digit_is_computed_by_the_server(file, compiler):
+    named, said = Named(f"{file}:ricker"), []
+    compiler["answer"] = b"\0asm", "the step of growing takes exp of the library of this machine"
+    assert own.module_of(named, own.brought(named), False, said.append) is None
+    assert "takes exp of the library" in said[-1] and "the server computes" in said[-1]
+    assert own.module_of(named, own.brought(named), True, said.append) == b"\0asm" and "last digit" in said[-1]
+    compiler["answer"] = None, "sin: a module that imports nothing cannot have that"
+    named = Named(f"{file}:large")
+    assert own.module_of(named, own.brought(named), False, said.append) is None
+    with pytest.raises(InputError, match="could not be compiled for the browser: sin"):
+        own.module_of(named, own.brought(named), True, said.append)
+
+
+def test_functions_of_the_library_are_seen_in_code():
+    text = "%a = call double @llvm.exp.f64(x)\n@tan(y) @llvm.fabs.f64(z) @numba_gamma(w) @floor(x) @own_log1p(x)"
+    assert borrowed_by(text) == {"exp", "tan", "gamma"}
 
 
 def test_a_law_of_the_package_needs_no_compiler(file, tmp_path, monkeypatch):
@@ -255,12 +414,19 @@ def test_a_copy_without_a_linker_says_what_to_install(file, tmp_path, monkeypatc
     assert "no WebAssembly linker: install lld" in capsys.readouterr().err and not list(tmp_path.iterdir())
 
 
+def held(function):
+    """All that kernels below one hold in their closures."""
+    for cell in function.__closure__ or ():
+        yield cell.cell_contents
+    for each in below(function):
+        yield from held(each)
+
+
 def test_a_law_that_was_compiled_before_is_known_again(file):
-    """What it is kept under is the same for the same text, also of kernels that hold compiled ones."""
-    kept = [
-        [digest(entry.kernel) for entry in oscillator_module(own.checked(Named(f"{file}:model")).reset).entries]
-        for _ in range(2)
-    ]
+    """What it is kept under is the same for the same text, and no kernel holds a compiled one: that is never kept."""
+    for entry in own.brought(Named(f"{file}:model")).module.entries:
+        assert not any(hasattr(each, "py_func") for each in held(entry.kernel)), entry.name
+    kept = [[digest(entry.kernel) for entry in own.brought(Named(f"{file}:model")).module.entries] for _ in range(2)]
     assert kept[0] == kept[1]
 
 
@@ -370,20 +536,31 @@ def test_numbers_that_would_lead_out_of_arrays_are_refused(caller, told, model):
 # ---- in a browser
 
 
-@pytest.fixture(scope="session")
-def rig(file, tmp_path_factory, caller):
-    """The page with the law, which the server computes."""
-    folder = tmp_path_factory.mktemp("served")
+@contextmanager
+def opened(said, folder, known):
+    """The page with what is named, for which the server computes."""
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(own, "linker", lambda: None)
-        patch.setattr(own, "Calls", lambda *_given: caller.calls)
-        calls = own.prepared(f"{file}:model", folder, False, lambda _text: None)
+        patch.setattr(own, "Calls", lambda *_given: known)
+        calls = own.prepared(said, folder, False, lambda _text: None)
     with server(0, folder, calls) as ours:
         thread = threading.Thread(target=ours.serve_forever, kwargs={"poll_interval": 0.05})
         thread.start()
         yield ours.address
         ours.shutdown()
         thread.join()
+
+
+@pytest.fixture(scope="session")
+def rig(file, tmp_path_factory, caller):
+    with opened(f"{file}:model", tmp_path_factory.mktemp("served"), caller.calls) as address:
+        yield address
+
+
+@pytest.fixture(scope="session")
+def map_page(mapped, tmp_path_factory, map_calls):
+    with opened(str(mapped[0]), tmp_path_factory.mktemp("mapped"), map_calls) as address:
+        yield address
 
 
 @pytest.fixture
@@ -449,6 +626,81 @@ def test_a_slider_of_the_law_is_moved(shown, rig):
 def test_a_link_of_a_law_that_the_page_does_not_have_says_so(shown, address):
     shown.open(f"{address}#version=2&view=ball&law=soft&A.c=0.5&columns=20")
     assert "soft" in shown.problem() and "grazing explore --model" in shown.problem()
+
+
+FEW = "columns=40&bins=60&starts=3&transient=40&keep=30&chart_columns=8&chart_rows=6"
+
+
+def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page, mapped, tmp_path, capsys):
+    P, page = mapped[3], shown.page
+    shown.open(f"{map_page}#version=2&view=map&coordinate={P.coordinates[-1]}&{FEW}")
+    assert page.eval_on_selector_all("nav button:not([hidden])", "all => all.map(each => each.innerText)") == [
+        "Map",
+        "Charts",
+    ]
+    texts = []
+
+    def program():
+        known = {}
+        texts.append(page.evaluate("() => explorer.texts()"))
+        exec(texts[-1]["python"].replace("gz.plot.save", "(lambda *_: None)"), known)
+        return known["result"]
+
+    np.testing.assert_array_equal(shown.raster("map")[1][:, 1:-2], program()["count"])
+    assert all(f"map.{name}={value:g}" in shown.link() for name, value in P.params.items())
+    page.click("#web-many")
+    shown.until("() => document.getElementById('summary').innerText.includes('after 10 steps')")
+    after = P.iterate([sum(ends) / 2 for ends in P.box], 10)[-1]
+    said = page.inner_text("#summary").replace("−", "-").split("after 10 steps")[1]
+    numbers = re.findall(r"-?\d+(?:\.\d+)?", said.split("=")[1])[: P.dimension]
+    np.testing.assert_allclose([float(number) for number in numbers], after, 1e-5)
+    page.click("[data-view=chart]")
+    shown.settle()
+    want = program()["period"].values[..., 0]
+    found = page.evaluate("() => [...explorer.views.chart.codes]")
+    np.testing.assert_array_equal(np.reshape(found, want.T.shape).T, np.maximum(want, 0))
+    page.select_option("select:has(option[value=map-basins])", "map-basins")
+    shown.settle()
+    result = program()
+    want = result["period"].values[result["basin"].values].T
+    found = page.evaluate(
+        "() => [...explorer.views.chart.codes].map(code => explorer.views.chart.reached[code].period)"
+    )
+    np.testing.assert_array_equal(np.reshape(found, want.shape), want)
+    for text, name in zip(texts, ("count", "period", "basin"), strict=True):
+        to = tmp_path / f"{name}.nc"
+        words = shlex.split(re.sub(r"-o \S+$", f"-o {shlex.quote(str(to))}", text["command"]))
+        assert words[0] == "grazing" and main(words[1:]) == 0, capsys.readouterr().err
+        assert name in gz.load(to)
+    assert shown.problem() == ""
+
+
+def violations(browser, link, scheme):
+    context = browser.new_context(color_scheme=scheme, reduced_motion="reduce")
+    page = Shown(context.new_page())
+    page.open(link)
+    page.page.evaluate(AXE.read_text(encoding="utf-8"))
+    found = page.page.evaluate("() => axe.run()")["violations"]
+    context.close()
+    return [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+def test_axe_reports_no_violation_of_a_map(browser, map_page, scheme):
+    for view in ("map&web=5", "chart&chart=map", "chart&chart=map-basins"):
+        assert violations(browser, f"{map_page}#version=2&view={view}&{FEW}", scheme) == [], view
+
+
+@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+def test_axe_reports_no_violation_of_a_law(browser, rig):
+    for view in ("oscillator", "strobe", "chart&chart=oscillator&chart_columns=4&chart_rows=3"):
+        assert violations(browser, f"{rig}#{LAW}&view={view}&{SMALL}", "dark") == [], view
+
+
+def test_a_link_of_a_map_that_the_page_does_not_have_says_so(shown, address):
+    shown.open(f"{address}#version=2&view=map&map.a=0.5&columns=20")
+    assert shown.problem().count("a map of one’s own is shown by the page of “grazing explore --model”") == 2
 
 
 def test_when_the_server_has_ended_the_page_says_what_to_do(browser, rig):

@@ -30,7 +30,7 @@ def explore(
     ] = None,
     model: Annotated[
         str | None,
-        Parameter(help="file.py:name of a gz.Oscillator of your own, for example with a reset law.", metavar="NAME"),
+        Parameter(help="file.py:name of a gz.Oscillator, for example with a reset law, or a gz.Map.", metavar="NAME"),
     ] = None,
 ) -> int:
     """Explore the pictures in a browser; everything is computed there, by the same kernels.
@@ -44,8 +44,8 @@ def explore(
     out
         Folder for a copy of the page, which a web server serves; a name that ends in .html, for all of it in one file.
     model
-        What the page opens on. A reset law of one's own is compiled to WebAssembly where a linker is (lld or ziglang),
-        which takes a minute the first time; elsewhere the server computes.
+        What the page opens on. A reset law or a map of one's own is compiled to WebAssembly where a linker is (lld or
+        ziglang), which takes a minute the first time; elsewhere the server computes.
     """
     from grazing.explorer import onefile
     from grazing.explorer.server import copy_to, serve

@@ -20,7 +20,7 @@ from grazing.kernel.compile import ahead, call
 from grazing.outcome import InputError
 
 #: Where the page sends calls, seen from itself.
-CALLS = "/calls/oscillator"
+CALLS = "/calls/own"
 #: Bytes of a call, and of all its arrays: a picture of the page has a few millions.
 LARGEST_CALL, LARGEST_ARRAYS = 2**26, 2**28
 INFINITY = float("inf")

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -11,7 +11,7 @@ from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import loop_of
 from grazing.outcome import AMBIGUOUS, FATAL
 from grazing.parameter import Parameter
-from grazing.studies.cycles import settler
+from grazing.studies.cycles import settling
 from grazing.studies.density import raster
 from grazing.studies.recurrence import recurrence, spelled
 from grazing.studies.starts import drawn_starts
@@ -79,9 +79,12 @@ def counter_of(run: Step, dimension: int) -> Step:
     return count
 
 
-def classifier_of(tangent: Step, prepare: Step | None, kind: type, dimension: int) -> Step:
-    """Return the kernel that finds periods and words as :func:`grazing.studies.classify.settle_columns` does."""
-    settle = settler(tangent, prepare, kind, dimension)
+def classifier_of(tangent: Step, prepare: Step | None, kind: type, dimension: int, units: Sequence[float] = ()) -> Step:
+    """Return the kernel that finds periods and words as :func:`grazing.studies.classify.settle_columns` does.
+
+    Coordinates are measured in ``units``, those of models that come with the page in 1.
+    """
+    settle, units = settling(tangent, prepare, kind, dimension), tuple(units) or (1.0,) * dimension
 
     def classify(
         rows: Any, points: Any, letters: Any, outcomes: Any, tolerance: float, period: Any, key: Any, begin: Any,
@@ -90,7 +93,9 @@ def classifier_of(tangent: Step, prepare: Step | None, kind: type, dimension: in
         columns, n = letters.shape[0], letters.shape[2]
         doubtful = np.empty((columns, n), np.int32)
         extents, tolerances = np.empty((columns, dimension, n)), np.empty((columns, dimension, n))
-        unit = np.ones(dimension)  # the page shows models whose sizes are near 1
+        unit = np.empty(dimension)
+        for i in range(dimension):
+            unit[i] = units[i]
         recurrence(points, letters, outcomes, tolerance, unit, period, doubtful, extents, tolerances)
         many = 0
         for q in range(columns):
@@ -215,8 +220,9 @@ def points_letters_outcomes(dimension: int) -> tuple[Argument, Argument, Argumen
 
 
 def entries_of(
-    step: Step, tangent: Step, prepare: Step | None, kind: type, dimension: int, count: Step | None = None
-) -> list[Entry]:
+    step: Step, tangent: Step, prepare: Step | None, kind: type, dimension: int, count: Step | None = None,
+    units: Sequence[float] = (),
+) -> list[Entry]:  # fmt: skip
     """Return the functions that every map has: orbits, density, classify; ``count`` is a counter of the map's own."""
     fields = len(kind._fields)  # type: ignore[attr-defined]
     rows, lanes = rows_lanes(fields, dimension)
@@ -238,7 +244,7 @@ def entries_of(
             meaning="count orbits in a raster, the values of one coordinate in each column",
         ),
         Entry(
-            "classify", classifier_of(tangent, prepare, kind, dimension), ("columns", "starts", "keep"),
+            "classify", classifier_of(tangent, prepare, kind, dimension, units), ("columns", "starts", "keep"),
             (rows, points, letters, outcomes, *arguments("""
                 tolerance: float64  relative tolerance of recurrence
                 period: int32[columns, starts]  0 undecided, -1 aperiodic as far as seen, -2 ended

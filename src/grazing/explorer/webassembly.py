@@ -14,7 +14,7 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
-from grazing.kernel.export import OWN, emitted, lowered, refuse_elsewhere
+from grazing.kernel.export import OWN, borrowed_by, emitted, lowered, refuse_elsewhere
 from grazing.outcome import InputError
 
 #: Bytes of the stack, which lies below everything else, so that an overflow traps.
@@ -190,7 +190,7 @@ def linker_version(command: Sequence[str]) -> str:
     return found.group() if found else said.strip()
 
 
-def exported(entries: Sequence[Entry]) -> bytes:
+def exported(entries: Sequence[Entry], borrowed: set[str] | None = None) -> bytes:
     """Compile kernels to a WebAssembly module that imports nothing.
 
     Parameters
@@ -198,6 +198,8 @@ def exported(entries: Sequence[Entry]) -> bytes:
     entries : sequence of Entry
         What the module exports, beside ``memory``, ``__heap_base``, from where on memory is free, and
         ``arena(address)``, which says where kernels may put arrays of their own.
+    borrowed : set of str, optional
+        The functions of the C library are added that the step calls: it may have another last digit in the module.
 
     Returns
     -------
@@ -223,6 +225,10 @@ def exported(entries: Sequence[Entry]) -> bytes:
         arguments = [(argument.name, argument.kind, argument.shape) for argument in entry.arguments]
         name, text = lowered(entry.name, entry.kernel, entry.sizes, arguments, entry.result)
         texts += [text, _door(entry, name)]
+        if borrowed is not None and entry.name == "orbits":
+            borrowed |= borrowed_by(text)
+            if missing := borrowed - OWN.keys():
+                raise InputError(f"{', '.join(sorted(missing))}: a module that imports nothing cannot have that")
     with tempfile.TemporaryDirectory() as folder:
         source, target = Path(folder) / "kernels.o", Path(folder) / "kernels.wasm"
         source.write_bytes(emitted(texts, {"grazing_arena", *(f"grazing_{entry.name}" for entry in entries)}))

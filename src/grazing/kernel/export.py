@@ -45,6 +45,18 @@ OWN: dict[str, tuple[Callable[..., float], int]] = {
 }
 
 
+#: Functions of the C library whose last digits differ from one to another.
+LIBRARY = frozenset(
+    "acos acosh asin asinh atan atan2 atanh cbrt cos cosh erf erfc exp exp2 expm1 gamma hypot lgamma log log10 log1p "
+    "log2 pow sin sinh tan tanh tgamma".split()
+)
+
+
+def borrowed_by(text: str) -> set[str]:
+    """Return the functions of the C library that intermediate code calls, but for those that are exact everywhere."""
+    return {*re.findall(r"@(?:llvm\.|numba_)?(\w+?)(?:\.f64)?\(", text)} & LIBRARY
+
+
 def refuse_elsewhere() -> None:
     """Raise InputError in a process without :data:`ENVIRONMENT`."""
     wrong = {name: value for name, value in ENVIRONMENT.items() if os.environ.get(name) != value}

@@ -499,11 +499,8 @@ class Map(ByValue):
         if self.origin.derivative is not None:
             given = self.origin.derivative(rows)
         else:
-            known = self.tangent
-            if known is None:
-                known = differences_of(self._full_step, self.dimension, units_of(self.box))
             flat = np.ascontiguousarray(rows)
-            given = Derived(extended(known), self.prepare, self.packed()[0], flat, flat)
+            given = Derived(extended(kernels_of(self)[1]), self.prepare, self.packed()[0], flat, flat)
         if self._linked or given.prepare is not None:
             return pointed_derivative(given, self.dimension, f"the step of {self.name}")
         return given
@@ -538,6 +535,12 @@ class Map(ByValue):
     def packed(self) -> tuple[type, NDArray[np.float64]]:
         """Return the type of the parameters' named tuple and their values: how a kernel gets them."""
         return parameter_tuple(tuple(self.params)), np.array(list(self.params.values()) or [0.0], dtype=np.float64)
+
+
+def kernels_of(P: Map) -> tuple[Callable[..., Any], Callable[..., Any]]:
+    """Return the step of a map as kernels take it, and its derivative: ``tangent``, or else by differences."""
+    step, tangent = P._full_step, P.tangent
+    return step, tangent if tangent is not None else differences_of(step, P.dimension, units_of(P.box))
 
 
 def _made_again(origin: Any, params: dict[str, float], own: dict[str, Any]) -> Map:

@@ -57,18 +57,18 @@ def recorder_of(
     prepare: Callable[..., Any],
     kind: type,
 ) -> Callable[..., int]:
-    """Compile ``record(row, state, legs, until, patience)``: fill legs until a time or the table's end.
+    """Return ``record(row, state, legs, until, patience)``: fill legs until a time or the table's end.
 
     ``state`` holds (periods, t, y, v, window, fastest, in the air) and is moved along, so the call can be repeated.
     A leg is a flight or a rest from (period, t, y, v) to t_end; v_minus and v_plus are NaN where it ends without an
     impact. As in the stroboscopic map, the state at each strobe is the one that the next decisions are right for.
     """
-    return compiled(_recorder_of(departure_of(law, slope, contraction), prepare, kind, True))
+    return _recorder_of(departure_of(law, slope, contraction), prepare, kind, True)
 
 
 def walled_recorder(harmonics: int) -> Callable[..., int]:
     """Compile :func:`walled_recorder_of` for laws by address."""
-    return walled_recorder_of(*POINTED, frames_of(harmonics), frames_kind(harmonics))
+    return compiled(walled_recorder_of(*POINTED, frames_of(harmonics), frames_kind(harmonics)))
 
 
 @lru_cache(maxsize=64)
@@ -79,7 +79,7 @@ def walled_recorder_of(
     prepare: Callable[..., Any],
     kind: type,
 ) -> Callable[..., int]:
-    """Compile ``record(row, state, legs, until)``: fill legs until a time or the table's end.
+    """Return ``record(row, state, legs, until)``: fill legs until a time or the table's end.
 
     ``state`` holds (periods, t, u or y, v, window, fastest, in the air, wall): at a strobe the state (u, v), else the
     ball as a wall sees it. It is moved along, so the call can be repeated.
@@ -89,7 +89,7 @@ def walled_recorder_of(
     def record(row: Any, state: Any, legs: Any, until: float) -> int:
         return between(row, state, legs, until, PATIENCE)
 
-    return compiled(record)
+    return record
 
 
 def _recorder_of(
@@ -183,7 +183,7 @@ def flown_legs(model: Rig, state: tuple[float, float], start: float, until: floa
     else:
         prepare = constants_of(model.harmonics, section_phase)
         row, source = pointed_model(model.seen[0], start)
-        record = recorder_of(*POINTED, prepare, flight_kind(model.harmonics))
+        record = compiled(recorder_of(*POINTED, prepare, flight_kind(model.harmonics)))
         now, given = np.array([0.0, 0.0, u - model.walls[0].position, v, 0.0, 0.0, 0.0]), (until - start, PATIENCE)
     who = " or ".join(dict.fromkeys(f"the reset law {wall.law.name}" for wall in model.walls))
     tables, impacts = [], 0

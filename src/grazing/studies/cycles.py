@@ -275,7 +275,15 @@ def finder(tangent: Callable[..., Any], dimension: int) -> Callable[..., int]:
 def settler(
     tangent: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int
 ) -> Callable[..., None]:
-    """Compile the second part of the classification for one map.
+    """Compile the second part of the classification for one map, see :func:`settling`."""
+    return compiled(settling(tangent, prepare, kind, dimension), "strict")
+
+
+@lru_cache(maxsize=256)
+def settling(
+    tangent: Callable[..., Any], prepare: Callable[..., Any] | None, kind: type, dimension: int
+) -> Callable[..., None]:
+    """Return the second part of the classification for one map.
 
     Returns
     -------
@@ -316,7 +324,7 @@ def settler(
                     break
                 N = next_cycle(x, s, 0, extent, tolerance, candidate, 0, N + 1)
 
-    return compiled(run, "strict")
+    return run
 
 
 def _same(p: Any) -> Any:

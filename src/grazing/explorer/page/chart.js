@@ -15,11 +15,13 @@ import { ceiling, inside } from "./walls.js";
 /** @typedef {import("./state.js").Pair} Pair */
 /** @typedef {import("./machine.js").Machine} Machine */
 /**
- * What is computed: `keys` are the parts of the state with the ends of the axes, `names` those that a click sets.
- * @typedef {{machine: Machine, name: "gap" | "oscillator", basins: boolean, names: string[], which: number[], row: import("./machine.js").Floats, keys: [string, string], ends: [Pair, Pair], sizes: Pair, settings: {starts: number, transient: number, keep: number}, cost: number}} Plan
+ * What is computed: `keys` are the parts of the state with the ends of the axes (one of a strip), `names` those that they show.
+ * @typedef {{machine: Machine, name: "gap" | "oscillator" | "map", basins: boolean, names: string[], which: number[], row: import("./machine.js").Floats, keys: string[], ends: [Pair, Pair], sizes: Pair, settings: {starts: number, transient: number, keep: number}, cost: number}} Plan
  */
 
 const NONE = -1; // no cell yet
+/** Where states of one coordinate lie in the height of their strip. */
+const MIDDLE = 0.5;
 /** The steps between cells of the pictures that refine one another. */
 const STEPS = [8, 2, 1];
 
@@ -50,8 +52,8 @@ export class ChartView {
       ready: () => Boolean(this.plan),
       redraw: () => this.#draw(),
       pick: (x, y) => change(this.#picked(x, y)),
-      zoom: (x, y) => this.plan && change({ [this.plan.keys[0]]: this.#allowed(x, 0), [this.plan.keys[1]]: this.#allowed(y, 1) }),
-      zoomOut: () => this.plan && change({ [this.plan.keys[0]]: null, [this.plan.keys[1]]: null }),
+      zoom: (...ends) => this.plan && change(Object.fromEntries(this.plan.keys.map((key, i) => [key, this.#allowed(/** @type {Pair} */ (ends[i]), i)]))),
+      zoomOut: () => this.plan && change(Object.fromEntries(this.plan.keys.map((key) => [key, null]))),
       chosen: () => this.#chosen(),
       steps: () => /** @type {Pair} */ ((this.plan?.sizes ?? [101, 101]).map((size) => size - 1)),
     });
@@ -70,6 +72,7 @@ export class ChartView {
   #allowed([low, high], i) {
     const { plan, state } = this;
     if (!plan || !state) return [low, high];
+    if (plan.basins && plan.name === "map") return [low, high];
     if (plan.basins) return i === 0 ? [inside(state, low, state.phase), Number.isFinite(ceiling(state)) ? inside(state, high, state.phase) : high] : [low, high];
     return allowed(plan.machine.described.fields[plan.which[i]], [low, high]);
   }
@@ -79,6 +82,7 @@ export class ChartView {
     const { plan, state } = this;
     if (!plan || !state) return {};
     const [a, b] = [x, y].map((value, i) => tidy(value, plan.ends[i][1] - plan.ends[i][0]));
+    if (plan.basins && plan.name === "map") return plan.names.length > 1 ? { x0: a, y0: b } : { x0: a };
     return plan.basins ? { ball: [inside(state, a, state.phase), b, state.phase] } : { [plan.names[0]]: a, [plan.names[1]]: b };
   }
 
@@ -88,28 +92,36 @@ export class ChartView {
     if (!plan || !state) return [NaN, NaN];
     if (!plan.basins) return /** @type {Pair} */ (plan.names.map((name) => valueOf(state, name)));
     const [low, high] = plan.ends;
+    if (plan.name === "map") return [state.x0, plan.names.length > 1 ? state.y0 : MIDDLE];
     return state.ball ? [state.ball[0], state.ball[1]] : [(low[0] + low[1]) / 2, (high[0] + high[1]) / 2];
   }
 
   /** @param {State} state @returns {Plan} */
   #planOf(state) {
-    const gap = state.chart === "gap";
-    const machine = this.machines[gap ? "gap" : "oscillator"];
-    if (!machine) throw new Error(`the module ${gap ? "gap" : "oscillator"}.wasm is not loaded`);
+    const gap = state.chart === "gap", name = gap ? "gap" : state.chart.startsWith("map") ? "map" : "oscillator";
+    const machine = this.machines[name];
+    if (!machine) throw new Error(`the module ${name}.wasm is not loaded`);
     const sizes = /** @type {Pair} */ ([state.chart_columns, state.chart_rows]);
     const row = gap ? Float64Array.of(state.lam, state.mu, state.l) : rowOf(machine, state);
-    const T = (2 * Math.PI) / state.omega;
+    if (state.chart === "map-basins") {
+      const names = machine.described.coordinates, strip = names.length === 1;
+      return {
+        machine, name, basins: true, names, which: [], row, keys: ["positions", "velocities"].slice(0, names.length), ends: [state.positions, strip ? [0, 1] : state.velocities],
+        sizes: strip ? [sizes[0], 1] : sizes, settings: { starts: 1, transient: 500, keep: 64 }, cost: 2,
+      };
+    }
     if (state.chart === "basins") {
       const [from, to] = state.positions, [low, high] = [from, to].map((end) => inside(state, end, state.phase));
       if (high <= low) throw new Error(`positions run ${low > to ? `to ${to}, behind the wall at ${low}; choose some above` : `from ${from}, behind the wall at ${high}; choose some below`} it`);
       return {
-        machine, name: "oscillator", basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
+        machine, name, basins: true, names: ["u", "v"], which: [], row, keys: ["positions", "velocities"],
         ends: [[low, high], state.velocities], sizes, settings: { starts: 1, transient: 300, keep: 64 }, cost: 40 * costOf(state),
       };
     }
     const names = gap ? ["mu", "l"] : [state.vary, state.second];
     if (names[0] === names[1]) throw new Error("both axes show the same parameter; choose another one for the second axis");
     const common = { machine, basins: false, names, which: names.map((name) => machine.fields.indexOf(name)), row, sizes };
+    if (name === "map") return { ...common, name, keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 8, transient: 500, keep: 64 }, cost: 2 };
     return gap
       ? { ...common, name: "gap", keys: ["span", "gaps"], ends: [state.span, state.gaps], settings: { starts: 8, transient: 500, keep: 64 }, cost: 1 }
       : { ...common, name: "oscillator", keys: ["reach", "heights"], ends: [state.reach, state.heights], settings: { starts: 4, transient: 100, keep: 64 }, cost: 40 * costOf(state) };
@@ -123,6 +135,7 @@ export class ChartView {
     plan.which.forEach((i) => (fixed[i] = 0));
     const same = JSON.stringify([fixed, plan.names]), key = JSON.stringify([fixed, plan.names, plan.ends, plan.sizes, plan.settings, state.seed]);
     this.plan = plan;
+    this.canvas.classList.toggle("strip", plan.keys.length === 1);
     if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
       this.key = key;
@@ -139,7 +152,7 @@ export class ChartView {
       });
     }
     if (!plan.basins) {
-      const gap = plan.name === "gap", which = plan.which[0];
+      const gap = plan.name !== "oscillator", which = plan.which[0]; // a step that is short
       const T = gap ? 1 : (2 * Math.PI) / state.omega;
       this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(state));
     }
@@ -151,7 +164,7 @@ export class ChartView {
     const batch = this.pool.batch("chart");
     const [xs, ys] = plan.sizes.map((size, i) => linspace(...plan.ends[i], size));
     const { reached } = this, seed = this.state?.seed ?? 0;
-    const same = plan.basins ? sameWithin(plan.ends, plan.machine.call("boxes", { columns: 1, rows: plan.row }, ["boxes"]).boxes) : new Float64Array(2);
+    const same = plan.basins ? sameWithin(plan.ends.slice(0, plan.names.length), plan.machine.call("boxes", { columns: 1, rows: plan.row }, ["boxes"]).boxes) : new Float64Array(2);
     const given = { row: plan.row, which: plan.which, ...plan.settings, seed, tolerance: this.tolerance };
     const reach = async (/** @type {import("./machine.js").Floats} */ values) => {
       const { which, reached: some } = await batch.run(plan.name, "basins", { ...given, values, same });
@@ -164,7 +177,7 @@ export class ChartView {
       for (let i = 0; i < rows.length; i += size) chunks.push(rows.slice(i, i + size));
       return chunks.map(async (chunk) => {
         const pairs = chunk.flatMap((j) => columns.map((i) => [i, j]));
-        const values = Float64Array.from(pairs.flatMap(([i, j]) => [xs[i], ys[j]]));
+        const values = Float64Array.from(pairs.flatMap(([i, j]) => [xs[i], ys[j]].slice(0, plan.names.length)));
         const made = await (plan.basins ? reach(values) : batch.run(plan.name, "chart", { ...given, values }).then((found) => found.codes));
         pairs.forEach(([i, j], k) => (codes[j * xs.length + i] = made[k]));
         this.#soon();
@@ -247,17 +260,17 @@ export class ChartView {
       c.drawImage(this.image, x, y, axes.x(right) - x, axes.y(bottom) - y);
       if (plan.basins) for (const { point, colour } of this.attractors()) if (point.length) this.#dot(c, point, colour);
       const at = this.#chosen();
-      if (!plan.basins || this.state?.ball) this.#ring(c, axes.x(at[0]), axes.y(at[1]));
+      if (!plan.basins || plan.name === "map" || this.state?.ball) this.#ring(c, axes.x(at[0]), axes.y(at[1]));
     });
     const symbols = this.#symbols();
-    axes.frame(symbols[0], symbols[1]);
+    axes.frame(symbols[0], symbols[1] ?? "");
     this.#legend(c);
     if (this.canvas.dataset.stage === "computing") axes.progress(this.codes ? 1 - this.codes.filter((code) => code === NONE).length / this.codes.length : 0, this.#begun);
     this.gestures.draw(c);
   }
 
   /** @param {import("./svg.js").Pen} c @param {number[]} point @param {string} colour */
-  #dot(c, [u, v], colour) {
+  #dot(c, [u, v = MIDDLE], colour) {
     for (const [radius, fill] of /** @type {[number, string][]} */ ([[5.5, "#1a1a1a"], [4.5, "#ffffff"], [3, colour]])) {
       c.fillStyle = fill;
       c.beginPath();
@@ -281,7 +294,7 @@ export class ChartView {
   #legend(c) {
     const { axes, plan } = this;
     const named = plan?.basins
-      ? this.attractors().map((each) => ({ colour: each.colour, text: name(each) }))
+      ? this.attractors().map((each) => ({ colour: each.colour, text: called(each, plan.name === "map") }))
       : [...(this.colours ?? [])].map(([code, colour]) => ({ colour, text: code ? String(code) : "none" }));
     c.textAlign = "left";
     c.textBaseline = "middle";
@@ -308,8 +321,8 @@ export class ChartView {
   }
 
   raster() {
-    const { settings, ends, sizes, names, name } = /** @type {Plan} */ (this.plan);
-    return { ...settings, ends, sizes, names, name };
+    const { settings, ends, sizes, names, name, basins } = /** @type {Plan} */ (this.plan);
+    return { ...settings, ends, sizes, names, name, basins };
   }
 
   /** What is shown, in words. @returns {{colour?: string, text: string}[]} */
@@ -333,33 +346,40 @@ export class ChartView {
 
   /** The basins in words: each attractor with its share of the picture, and what the chosen state reaches. @param {State} state */
   #inWords(state) {
+    const plan = /** @type {Plan} */ (this.plan);
     const all = this.attractors();
     const cells = all.reduce((total, each) => total + each.cells, 0);
-    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: "Initial states (u, v) at the strobe, by the attractor that they reach:" }]);
+    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach:` }]);
     for (const each of all.slice(0, 12)) {
-      const place = each.point.length ? `; a point of it: (${each.point.map((each) => numeral(each)).join(", ")})` : "";
-      said.push({ colour: each.colour, text: `${name(each)}: ${percent(each.cells / cells)} of the picture${place}` });
+      const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
+      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture${place}` });
     }
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
-    if (state.ball) {
+    if (plan.name === "map") {
+      const [x, y] = this.#chosen(), at = [x, y].slice(0, plan.names.length), { reached } = this.#follow(at);
+      said.push({ text: `From ${this.#states(at.map((each) => numeral(each)))} an orbit reaches: ${called(reached[0], true)}.` });
+    } else if (state.ball) {
       const [u, v] = state.ball;
       const free = inside(state, u, state.ball[2]);
       if (free !== u) said.push({ text: `(${numeral(u)}, ${numeral(v)}) lies behind the wall at ${numeral(free)}.` });
-      const { reached } = free !== u ? { reached: [] } : this.#follow(u, v);
-      if (reached.length) said.push({ text: `From (${numeral(u)}, ${numeral(v)}) the ball reaches: ${name(reached[0])}. “Ball” throws it from there.` });
+      const { reached } = free !== u ? { reached: [] } : this.#follow([u, v]);
+      if (reached.length) said.push({ text: `From (${numeral(u)}, ${numeral(v)}) the ball reaches: ${called(reached[0])}. “Ball” throws it from there.` });
     }
     return said;
   }
 
-  /** @param {number} u @param {number} v */
-  #follow(u, v) {
-    const plan = /** @type {Plan} */ (this.plan), T = (2 * Math.PI) / (this.state?.omega ?? 1);
-    return basins(plan.machine, { row: plan.row, values: Float64Array.of(u, v), transient: within(plan.settings.transient, T), keep: within(plan.settings.keep, T), tolerance: this.tolerance, same: new Float64Array(2) });
+  /** A state in words. @param {string[]} numbers */
+  #states = (numbers) => (numbers.length > 1 ? `(${numbers.join(", ")})` : numbers[0]);
+
+  /** @param {number[]} start */
+  #follow(start) {
+    const plan = /** @type {Plan} */ (this.plan), T = plan.name === "map" ? 1 : (2 * Math.PI) / (this.state?.omega ?? 1);
+    return basins(plan.machine, { row: plan.row, values: Float64Array.from(start), transient: within(plan.settings.transient, T), keep: within(plan.settings.keep, T), tolerance: this.tolerance, same: new Float64Array(start.length) });
   }
 }
 
-/** What an attractor is called. @param {import("./jobs.js").Reached} each */
-function name({ period, word }) {
+/** What an attractor is called; `bare` for a map that may give its steps no letters. @param {import("./jobs.js").Reached} each */
+function called({ period, word }, bare = false) {
   if (period < 1) return { "-1": "aperiodic as far as seen", 0: "undecided", "-2": "ended" }[period] ?? `class ${period}`;
-  return `period ${period}, word ${word}`;
+  return `period ${period}${bare && word === "0" ? "" : `, word ${word}`}`;
 }

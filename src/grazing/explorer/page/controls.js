@@ -9,7 +9,7 @@ import { refusal, tidy } from "./state.js";
 /** @typedef {{box: HTMLElement, set: (value: any) => void, name?: (text: string) => void, offer?: (values: string[]) => void, span?: (ends: Pair | null, band?: string) => void}} Control its place on the page; `set` shows a value, `name` its name, `offer` what can be chosen, `span` where a slider ends, with a picture of what lies between */
 
 /** @type {Record<string, string>} */
-const GREEK = { alpha: "α", lambda: "λ", mu: "μ", omega: "ω", sigma: "σ", varphi: "φ" };
+const GREEK = { alpha: "α", beta: "β", gamma: "γ", delta: "δ", lambda: "λ", mu: "μ", nu: "ν", omega: "ω", phi: "φ", rho: "ρ", sigma: "σ", tau: "τ", theta: "θ", varphi: "φ" };
 
 /** A symbol of kernels.json as text with subscripts: [letter, subscript]. @param {Field} field */
 export function symbolOf(field) {

@@ -36,35 +36,55 @@ export function rowOf(machine, state) {
 }
 
 /**
- * The diagram of the oscillator that a state asks for: the key of all that it depends on, and what it shows, for which a few orbits
- * may have to be followed.
- * @param {Machine} machine @param {State} state @param {number} tolerance
+ * How much is computed for a diagram: its first picture, the orbits that say how high it is, and what a step costs.
+ * @typedef {{machine: string, starts: number, transient: number, keep: number, cost: number, quick: import("./diagram.js").Spec["quick"], trial: {columns: number, starts: number, transient: number, keep: number}}} Work
  */
-export function diagramOf(machine, state, tolerance) {
-  const row = rowOf(machine, state), which = machine.fields.indexOf(state.vary);
-  const coordinate = state.coordinate === "v" ? 1 : 0;
-  const common = { span: state.reach, columns: state.columns, starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, seed: state.seed, tolerance, colour: state.colour };
-  const others = Array.from(row);
-  others[which] = 0;
-  const key = JSON.stringify({ ...common, others, which, coordinate, window: state.window, bins: state.bins });
+
+/** The work for a diagram of the oscillator. @param {State} state @returns {Work & {slow: boolean}} */
+function workOf(state) {
   const ends = state.reach.map((end) => ({ ...state, [state.vary]: end })), cost = Math.max(...ends.map(costOf));
   const hits = Math.max(...ends.map(crossings)), dear = hits > OFTEN;
   const slow = (2 * Math.PI) / Math.min(...ends.map(({ omega }) => omega)) > SLOW || hits > ENDLESSLY;
+  return {
+    machine: "oscillator", starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, cost: 40 * cost, slow,
+    quick: hits > ENDLESSLY ? { stride: 100, starts: 1, transient: 8, keep: 8 } : dear ? { stride: 24, starts: 2, transient: 30, keep: 30 } : { stride: 12, starts: 4, transient: 50, keep: 40 },
+    trial: { columns: slow || dear ? 6 : 24, ...(slow ? { starts: 2, transient: 3, keep: 4 } : dear ? { starts: 3, transient: 20, keep: 20 } : { starts: 6, transient: 100, keep: 40 }) },
+  };
+}
+
+/**
+ * The diagram that a state asks for: the key of all that it depends on, and what it shows, for which a few orbits may have to be
+ * followed.
+ * @param {Machine} machine @param {State} state @param {number} tolerance @param {Work} work
+ */
+export function planned(machine, state, tolerance, { machine: name, starts, transient, keep, cost, quick, trial }) {
+  const row = rowOf(machine, state), which = machine.fields.indexOf(state.vary);
+  const coordinate = machine.described.coordinates.indexOf(state.coordinate);
+  const common = { span: state.reach, columns: state.columns, starts, transient, keep, seed: state.seed, tolerance, colour: state.colour };
+  const others = Array.from(row);
+  others[which] = 0;
+  const key = JSON.stringify({ ...common, others, which, coordinate, window: state.window, bins: state.bins });
   /** @returns {import("./diagram.js").Spec} */
   const spec = () => {
     let [low, high] = state.window ?? [0, 0];
     if (!state.window) {
-      const sizes = slow ? { starts: 2, transient: 3, keep: 4 } : dear ? { starts: 3, transient: 20, keep: 20 } : { starts: 6, transient: 100, keep: 40 };
-      const trial = extent(machine, { row, which, values: linspace(...state.reach, slow || dear ? 6 : 24), coordinate, seed: state.seed, ...sizes });
-      [low, high] = outwards(trial.low, trial.high);
+      const { columns, ...sizes } = trial;
+      const found = extent(machine, { row, which, values: linspace(...state.reach, columns), coordinate, seed: state.seed, ...sizes });
+      [low, high] = outwards(found.low, found.high);
     }
     const symbol = plainSymbol(machine.described.fields[which]);
-    return { ...common, machine: "oscillator", row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost: 40 * cost, quick: hits > ENDLESSLY ? { stride: 100, starts: 1, transient: 8, keep: 8 } : dear ? { stride: 24, starts: 2, transient: 30, keep: 30 } : { stride: 12, starts: 4, transient: 50, keep: 40 } };
+    return { ...common, machine: name, row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost, quick };
   };
-  return { row, which, common, key, spec, slow };
+  return { row, which, common, key, spec };
 }
 
-/** What a diagram of the oscillator answers to. @param {{state: State}} view @param {Machine} machine @param {Pick<import("./state.js").Events, "change" | "problem" | "done">} told */
+/** The diagram of the oscillator that a state asks for. @param {Machine} machine @param {State} state @param {number} tolerance */
+export function diagramOf(machine, state, tolerance) {
+  const work = workOf(state);
+  return { ...planned(machine, state, tolerance, work), slow: work.slow };
+}
+
+/** What a diagram over any parameter answers to. @param {{state: State}} view @param {Machine} machine @param {Pick<import("./state.js").Events, "change" | "problem" | "done">} told */
 export function events(view, machine, { change, problem, done }) {
   const field = () => machine.described.fields[machine.fields.indexOf(view.state.vary)];
   return {

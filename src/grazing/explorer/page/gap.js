@@ -1,11 +1,11 @@
 // @ts-check
 /** The gap map: its diagram in μ with the windows of theory, and the cobweb at the chosen μ. */
-import { Cobweb, walk } from "./cobweb.js";
+import { Beside, Cobweb } from "./cobweb.js";
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found } from "./jobs.js";
 import { words } from "./orbits.js";
-import { LONGEST, later, numeral } from "./state.js";
+import { LONGEST, numeral } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -83,6 +83,16 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
   }
 }
 
+/** One step of the map. @param {State} state @param {number} x */
+const stepped = ({ lam, mu, l }, x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
+
+/** A start and what follows it. @param {State} state */
+function walk(state) {
+  const found = [state.x0];
+  for (let n = 0; n < state.web; n++) found.push(stepped(state, found[n]));
+  return found;
+}
+
 /** The diagram that a state asks for. @param {State} state @param {number} tolerance @returns {import("./diagram.js").Spec} */
 function diagramOf(state, tolerance) {
   const [low, high] = state.range ?? reach(state.lam, state.l, state.span);
@@ -93,11 +103,9 @@ function diagramOf(state, tolerance) {
   };
 }
 
-export class GapView {
-  /** @type {State} */ state = later();
+export class GapView extends Beside {
   /** @type {Window[]} */ windows = [];
   /** @type {import("./jobs.js").Class[]} */ classes = [];
-  /** @type {string | undefined} what is computed, undefined for nothing */ key = undefined;
 
   /**
    * @param {Machine} machine
@@ -106,6 +114,7 @@ export class GapView {
    * @param {import("./state.js").Events} events
    */
   constructor(machine, pool, described, { change, problem, done }) {
+    super();
     this.machine = machine;
     this.described = described;
     this.tolerance = described.tolerance;
@@ -120,15 +129,6 @@ export class GapView {
       done,
     });
     this.cobweb = new Cobweb(this, { change });
-  }
-
-  get canvas() {
-    return this.diagram.axes.canvas;
-  }
-
-  /** @returns {import("./svg.js").Panel[]} */
-  panels() {
-    return [{ sheet: this.diagram.axes, draw: () => this.diagram.draw() }, { sheet: this.cobweb.axes, draw: () => this.cobweb.draw() }];
   }
 
   /** The diagram that another state asks for. @param {State} state */
@@ -153,18 +153,20 @@ export class GapView {
     this.cobweb.draw();
   }
 
+  /** The cobweb at μ. @returns {import("./cobweb.js").Web} */
+  web() {
+    const { state } = this, { lam, mu, l } = state, seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).filter(Number.isFinite);
+    let low = Math.min(mu - l - Math.sqrt(Math.max(mu, 0)), ...seen, -0.02), high = Math.max(mu, ...seen, 0.02);
+    const room = 0.08 * (high - low);
+    low -= room;
+    high += room;
+    const root = Array.from({ length: 121 }, (_, i) => { const x = high * (i / 120) ** 2; return [x, stepped(state, x)]; });
+    return { ends: [[low, high], [low, high]], labels: ["xₙ", "xₙ₊₁"], graph: [[[low, lam * low + mu], [0, mu]], root], cross: 0, walk: walk(state).map((x) => [x]) };
+  }
+
   /** What of theory lies under the diagram of a state. @param {Axes} axes @param {Pen} c @param {State} state */
   backdrop(axes, c, { lam, l }) {
     drawWindows(axes, c, windows(this.machine, lam, l));
-  }
-
-  repaint() {
-    this.diagram.paint();
-    if (this.state) this.cobweb.draw();
-  }
-
-  raster() {
-    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
   }
 
   /** @param {Axes} axes */

@@ -106,6 +106,12 @@ function between(letters) {
 /** Whether a row of parameters has two walls. @param {Machine} machine @param {Floats} row */
 const two = (machine, row) => row[machine.fields.indexOf("two")] === 1;
 
+/** What spells letters as Python does. @param {Machine} machine @param {Floats} row @returns {(letters: number[]) => string} */
+function speller(machine, row) {
+  const { letters: names } = machine.described, each = names && [...names];
+  return each ? (letters) => letters.map((k) => each[k]).join("") : two(machine, row) ? between : written;
+}
+
 /** A word in its least rotation. @param {number[]} letters */
 function least(letters) {
   const turns = letters.map((_, i) => [...letters.slice(i), ...letters.slice(0, i)]);
@@ -117,8 +123,8 @@ function least(letters) {
 }
 
 /**
- * Orbits of one period and word, with one cycle; `impacts` in the word, null where they are not counted.
- * @typedef {{period: number, word: string, share: number, points: number[][], impacts: number | null, length: number, multiplier?: number}} Class
+ * Orbits of one period and word, with one cycle; `impacts` in the word, null where they are not counted, undefined where letters count none.
+ * @typedef {{period: number, word: string, share: number, points: number[][], impacts: number | null | undefined, length: number, multiplier?: number}} Class
  */
 
 /**
@@ -136,12 +142,11 @@ export function found(machine, { row, which, value, starts = 16, transient, keep
     const period = made.period[j];
     const begin = made.begin[j] - Math.max(period, 0); // the letters repeat, and here none of the word lies beyond the end
     const letters = Array.from({ length: made.length[j] }, (_, n) => made.letters[(begin + n) * starts + j]);
-    const names = machine.described.letters;
-    const pair = two(machine, row), word = names ? least(letters).map((k) => names[k]).join("") : (pair ? between : written)(least(letters));
+    const pair = two(machine, row), word = speller(machine, row)(least(letters));
     const length = period > 0 ? Math.min(period, keep) : keep;
     const points = Array.from({ length }, (_, n) => Array.from({ length: dimension }, (_, d) => made.points[(n * dimension + d) * starts + j]));
-    const counted = !names && letters.every((k) => k >= 0);
-    classes.push({ period, word, share: made.count[i] / starts, points, impacts: counted ? letters.reduce((sum, k) => sum + (pair ? walls(k).length : k), 0) : null, length: letters.length });
+    const impacts = letters.every((k) => k >= 0) ? letters.reduce((sum, k) => sum + (pair ? walls(k).length : k), 0) : null;
+    classes.push({ period, word, share: made.count[i] / starts, points, impacts: machine.fields.includes("two") ? impacts : undefined, length: letters.length });
   }
   return classes;
 }
@@ -163,8 +168,8 @@ export function extent(machine, { row, which, values, coordinate, starts, transi
       }
     }
   }
-  if (!(low <= high)) return { low: -1, high: 1 };
-  const room = 0.05 * (high - low) || 1e-3;
+  if (!(low <= high)) [low, high] = machine.call("boxes", { columns, rows }, ["boxes"]).boxes.slice(2 * coordinate);
+  const room = 0.05 * (high - low) || 1e-3 * (Math.abs(high) || 1);
   return { low: low - room, high: high + room };
 }
 
@@ -221,17 +226,13 @@ export function chart(machine, { row, which, values, starts, transient, keep, se
 const modulo = (n, N) => ((n % N) + N) % N;
 
 /**
- * Follow initial states (u, v) and say what each reaches: the number of a row of `reached`.
+ * Follow initial states and say what each reaches: the number of a row of `reached`.
  * @param {Machine} machine
  * @param {{row: Floats, values: Floats, transient: number, keep: number, tolerance: number, same: Floats}} given
  */
 export function basins(machine, { row, values, transient, keep, tolerance, same }) {
-  const starts = values.length / 2;
-  const lanes = new Float64Array(values.length);
-  for (let j = 0; j < starts; j++) {
-    lanes[j] = values[2 * j];
-    lanes[starts + j] = values[2 * j + 1];
-  }
+  const dimension = machine.described.coordinates.length, starts = values.length / dimension;
+  const lanes = values.map((_, i) => values[(i % starts) * dimension + Math.floor(i / starts)]);
   const sizes = { columns: 1, starts, keep };
   const orbits = machine.call("orbits", { ...sizes, rows: row, lanes, transient }, ["points", "letters", "outcomes"]);
   const classes = machine.call("classify", { ...sizes, rows: row, ...orbits, tolerance }, ["period", "key", "begin", "length"]);
@@ -246,20 +247,20 @@ export function basins(machine, { row, values, transient, keep, tolerance, same 
     if (k === undefined) {
       k = reached.length;
       rows.set(label[j], k);
-      reached.push(described(orbits, classes, starts, keep, j, two(machine, row) ? between : written));
+      reached.push(described(orbits, classes, starts, keep, j, dimension, speller(machine, row)));
     }
     which[j] = k;
   }
   return { which, reached };
 }
 
-/** What an orbit is on: period, word, and the point at which the word begins, of several the first in order. @param {any} orbits @param {any} classes @param {number} starts @param {number} keep @param {number} j @param {(letters: number[]) => string} spelled @returns {Reached} */
-function described({ points, letters }, { period, begin, length }, starts, keep, j, spelled) {
+/** What an orbit is on: period, word, and the point at which the word begins, of several the first in order. @param {any} orbits @param {any} classes @param {number} starts @param {number} keep @param {number} j @param {number} dimension @param {(letters: number[]) => string} spelled @returns {Reached} */
+function described({ points, letters }, { period, begin, length }, starts, keep, j, dimension, spelled) {
   const N = period[j], p = length[j], start = keep - N;
   if (N < 1) return { period: N, word: "", point: [] };
-  const point = (/** @type {number} */ turn) => [points[2 * turn * starts + j], points[(2 * turn + 1) * starts + j]];
+  const point = (/** @type {number} */ turn) => Array.from({ length: dimension }, (_, i) => points[(dimension * turn + i) * starts + j]);
   const turns = Array.from({ length: N / p }, (_, k) => point(start + modulo(begin[j] - 1 - start + k * p, N)));
-  turns.sort((a, b) => a[0] - b[0] || a[1] - b[1]);
+  turns.sort((a, b) => a.reduce((sign, x, i) => sign || x - b[i], 0));
   const word = Array.from({ length: p }, (_, n) => letters[(start + modulo(begin[j] - start + n, N)) * starts + j]);
   return { period: N, word: spelled(word), point: turns[0] };
 }

@@ -1,9 +1,10 @@
 // @ts-check
-/** The reset laws, and the model of the user's own that `grazing explore --model` brings. */
+/** The reset laws, and the model or the map of the user's own that `grazing explore --model` brings. */
 
 /**
- * A model as kernels.json describes it. `own` are the parameters of its law, if that is the user's, `names` what Python calls fields.
- * @typedef {{said: string, file: string, name: string, law: string, own: string[], names: Record<string, string>, units: Record<string, string>, extents: Record<string, [number, number]>, state: Record<string, any>}} Model
+ * A model as kernels.json describes it. `own` are the parameters of its law, if that is the user's, `names` what Python calls fields. Of
+ * a map `map` is its name, `reaches` say where its orbits live, and `coordinates` are those of its states.
+ * @typedef {{said: string, file: string, name: string, map?: string, coordinates?: string[], law: string, own: string[], names: Record<string, string>, units: Record<string, string>, reaches?: Record<string, [number, number]>, extents: Record<string, [number, number]>, state: Record<string, any>}} Model
  */
 
 /** The parameters that each law has. @type {Record<string, string[]>} */

@@ -40,7 +40,7 @@ function workers(machines, { problem, again }) {
 }
 
 /** What is not there without a module. @type {Record<string, string>} */
-const WITHOUT = { gap: "The gap map is", oscillator: "The oscillator and the ball are", table: "The table is" };
+const WITHOUT = { gap: "The gap map is", map: "Your map is", oscillator: "The oscillator and the ball are", table: "The table is" };
 
 /** Fetch a module. @param {string} name */
 async function compiled(name) {
@@ -49,13 +49,14 @@ async function compiled(name) {
   return WebAssembly.compile(await file.arrayBuffer());
 }
 
-/** Fetch modules and start them, here and in the workers; what cannot be had is said. @param {Told} told @param {string[]} wanted */
-export async function load(told, wanted = ["gap", "oscillator"]) {
+/** Fetch modules and start them, here and in the workers; what cannot be had is said. @param {Told} told @param {string[]} [wanted] */
+export async function load(told, wanted) {
   const { problem } = told;
   const answer = await fetch(addressOf("kernels/kernels.json"));
   if (!answer.ok) throw new Error(`kernels.json: ${answer.status} ${answer.statusText}`);
   /** @type {import("./machine.js").Kernels} */
   const described = await answer.json();
+  const names = wanted ?? (described.model?.map ? ["map"] : ["gap", "oscillator"]);
   /** @type {Machines} */
   const machines = {};
   if (typeof WebAssembly !== "object") {
@@ -64,7 +65,7 @@ export async function load(told, wanted = ["gap", "oscillator"]) {
   }
   const pool = workers(machines, told);
   await Promise.all(
-    Object.entries(described.modules).filter(([name]) => wanted.includes(name)).map(async ([name, each]) => {
+    Object.entries(described.modules).filter(([name]) => names.includes(name)).map(async ([name, each]) => {
       try {
         const module = each.calls ? null : await compiled(each.file);
         machines[name] = machineOf(module, each);

@@ -10,13 +10,14 @@ import { GapView } from "./gap.js";
 import { guided } from "./guide.js";
 import { BROUGHT, above, fileOf, ofLaws, ownOf } from "./laws.js";
 import { load } from "./load.js";
+import { MapView } from "./mapped.js";
 import { WORDS } from "./names.js";
 import { panel } from "./panel.js";
 import { Pinned } from "./pinned.js";
 import { PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
-import { DEFAULTS, VARIED, adopt, allowed, fromFragment, mended, narrowest, opening, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
+import { CHOICES, DEFAULTS, PINNABLE, VARIED, adopt, allowed, fromFragment, mended, narrowest, opening, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
 import { stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
@@ -167,6 +168,7 @@ function render() {
     if (SHOWN[name]) control.box.hidden = !isIn(SHOWN[name]);
   }
   for (const name of ["theory", "reduced"]) controls[name].box.hidden ||= state.view === "oscillator" && (!still(state) || Boolean(ownOf(state))); // there is no normal form
+  if (BROUGHT.model?.coordinates?.length === 1) for (const name of ["coordinate", "velocities", "chart_rows"]) controls[name].box.hidden = true;
   const had = varied(state);
   for (const name of VARIED.filter((each) => above(each) || ofLaws(each))) controls[name].box.hidden = !had.includes(name);
   for (const axis of ["vary", "second"]) controls[axis].offer?.(had);
@@ -191,7 +193,7 @@ function render() {
   view.show(state);
   const raster = view.raster();
   if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
-  if (state.view === "oscillator" && !state.window) controls.window.set([raster.low, raster.high]);
+  if (["oscillator", "map"].includes(state.view) && !state.window) controls.window.set([raster.low, raster.high]);
   $("all").hidden = ZOOMED[shown].every((key) => same(part(state, key), part(home, key)));
   tell();
 }
@@ -278,18 +280,22 @@ function present(shown) {
 const anew = () => ball && (ball.key = undefined);
 
 /** The diagram on screen that can be kept to compare. */
-const comparable = () => /** @type {import("./pinned.js").Shown | undefined} */ (state.view === "gap" || state.view === "oscillator" ? current() : undefined);
+const comparable = () => /** @type {import("./pinned.js").Shown | undefined} */ (PINNABLE.includes(state.view) ? current() : undefined);
 
 /** Show all of every axis. */
 const showAll = () => change(Object.fromEntries(ZOOMED[scene()].map((key) => [key, null])));
 
 function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
-  for (const button of all("[data-view]")) button.addEventListener("click", () => change({ view: button.dataset.view }));
+  for (const button of all("[data-view]")) {
+    button.hidden = !CHOICES.view.includes(button.dataset.view ?? "");
+    button.addEventListener("click", () => change({ view: button.dataset.view }));
+  }
+  $("preset").hidden = $("tour").hidden = Boolean(BROUGHT.model?.map);
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
   if (pool) pinned = new Pinned($("pin"), pool, { fields, change, problem: (text) => problem(text, "picture"), view: comparable, state: () => state });
-  for (const view of [views.gap, views.oscillator]) if (view?.diagram) view.diagram.drew = () => pinned?.draw();
+  for (const { diagram } of PINNABLE.map((name) => views[name] ?? {})) if (diagram) diagram.drew = () => pinned?.draw();
   guide = guided({ change, present, state: () => state });
   $("problem").lastElementChild.addEventListener("click", () => {
     problems.clear();
@@ -304,7 +310,7 @@ function build() {
     problem(ball?.sound.turn(!ball.sound.on) ?? "", "sound");
     $("sound").setAttribute("aria-pressed", String(Boolean(ball?.sound.on)));
   });
-  const web = () => /** @type {GapView | undefined} */ (views.gap)?.cobweb;
+  const web = () => /** @type {GapView | MapView | undefined} */ (views.gap ?? views.map)?.cobweb;
   for (const [id, by] of /** @type {[string, number][]} */ ([["web-step", 1], ["web-many", 10], ["web-none", -Infinity]])) $(id).addEventListener("click", () => web()?.step(by));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).addEventListener("click", () => change({ [name]: !state[name] }));
   $("settle").addEventListener("click", () => ball?.settle());
@@ -355,7 +361,7 @@ async function begin() {
   if (described.model) {
     const { name, state: shown } = described.model;
     adopt(described.model);
-    PRESETS[name] = { title: `of ${fileOf(described.model)}`, state: shown };
+    if (!described.model.map) PRESETS[name] = { title: `of ${fileOf(described.model)}`, state: shown };
   }
   const events = { change, problem: (/** @type {string} */ text) => problem(text, "picture"), done: tell };
   if (machines.gap && pool) {
@@ -367,7 +373,8 @@ async function begin() {
     views.strobe = new StrobeView(machines.oscillator, events);
     views.ball = ball = new BallView(machines.oscillator, described, events, pool);
   }
-  if (pool && (machines.gap || machines.oscillator)) views.chart = new ChartView(machines, pool, described, events);
+  if (machines.map && pool) views.map = new MapView(machines.map, pool, described, events);
+  if (pool && Object.keys(machines).length) views.chart = new ChartView(machines, pool, described, events);
   build();
   read(location.hash);
   // for tests and for the curious: what is on screen

@@ -82,18 +82,22 @@ export const RESTS = /^(S|\(S[AB]\))+$/;
 
 /** The impacts of a class, in words; nothing for a map that does not count them. @param {Class} each */
 function impactsOf({ impacts, word, length, period }) {
+  if (impacts === undefined) return "";
   const turns = length !== period ? ` in ${length} periods` : "";
   if (impacts !== null) return impacts === 0 ? ", no impact" : `, ${impacts === 1 ? "one impact" : `${impacts} impacts`}${turns}`;
   if (RESTS.test(word)) return ", at rest on the wall";
   return /[CS]/.test(word) ? `, impacts that die away in completed chatter${word.includes("S") ? ", and rest on the wall" : ""}` : "";
 }
 
+/** Whether a word says nothing: that of a map that gives its steps no letters. @param {Class} each */
+const bare = ({ impacts, word }) => impacts === undefined && word === "0";
+
 /** A class in words. @param {Class} each @returns {import("./state.js").Line} */
 function line(each) {
   const share = `${Math.round(16 * each.share)} of 16 starts`, colour = periodColour(each.period);
   if (each.period < 1) return { colour, text: `${each.period === -1 ? "no period found (aperiodic as far as seen)" : each.period === 0 ? "undecided" : "orbit that ended"}; ${share}` };
   let text = `period-${each.period} orbit${impactsOf(each)}`;
-  if (each.word) text += `, word ${each.word}`;
+  if (each.word && !bare(each)) text += `, word ${each.word}`;
   if (each.multiplier !== undefined) text += `, multiplier ${numeral(each.multiplier, 7)}`;
   text += `; ${share}`;
   return { colour, text, exact: each.period > 6 ? "" : `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map((each) => numeral(each, 7)).join(", ")})` : numeral(point[0], 7))).join(", ")}` };

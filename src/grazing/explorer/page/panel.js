@@ -3,7 +3,7 @@
 import { choice, pair, slider, symbolOf, toggle } from "./controls.js";
 import { BROUGHT, above, fileOf } from "./laws.js";
 import { WORDS } from "./names.js";
-import { GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, VERSION, fromFragment } from "./state.js";
+import { CHOICES, GAP_EXTENTS, ORDERS, OSCILLATOR_EXTENTS, VARIED, VERSION, fromFragment } from "./state.js";
 
 /** @typedef {import("./controls.js").Control} Control */
 /** What the page lends. @typedef {{fields: import("./state.js").Fields, change: (part: object) => void, problem: (text: string) => void, state: () => import("./state.js").State}} Page */
@@ -40,6 +40,12 @@ export function panel(page) {
     (first.includes(name) ? place("oscillator-sliders") : more).append(controls[name].box);
   }
   place("oscillator-sliders").append(controls.two.box, ...first.filter(above).map((name) => controls[name].box), more);
+  for (const name of model?.map ? VARIED : []) {
+    WORDS[name] = "your map’s";
+    controls[name] = slider(fields[name], model?.extents[name] ?? [0, 1], own(name), problem);
+    place("map-sliders").append(controls[name].box);
+  }
+  place("map-title").textContent = model?.map ? `Map ${model.name} (of ${fileOf(model)})` : "";
   const picture = place("picture");
   const put = (/** @type {string} */ name, /** @type {Control} */ control) => {
     controls[name] = control;
@@ -55,15 +61,17 @@ export function panel(page) {
   put("v0", slider({ name: "v0", symbol: "v_0", meaning: "velocity at the start", low: null, high: null, open_low: false }, [-1, 1], own("v0"), problem));
   put("line", axis("line", "u(0)"));
   put("order", choice("local map", named(ORDERS), own("order")));
-  put("chart", choice("chart of", [["gap", "gap map"], ["oscillator", "oscillator"], ["basins", "basins of the oscillator"]], own("chart")));
+  const charts = Object.entries({ gap: "gap map", oscillator: "oscillator", basins: "basins of the oscillator", map: "periods", "map-basins": "basins" });
+  put("chart", choice("chart of", charts.filter(([name]) => CHOICES.chart.includes(name)), own("chart")));
   put("vary", choice("axis", axes, own("vary")));
   put("second", choice("second axis", axes, own("second")));
-  put("coordinate", choice("coordinate", [["u", "u: position"], ["v", "v: velocity"]], own("coordinate")));
+  const [across, up] = model?.coordinates ?? ["u", "v"], called = [`${across}: position`, `${up}: velocity`];
+  put("coordinate", choice("coordinate", CHOICES.coordinate.map((name, i) => [name, model?.map ? name : called[i]]), own("coordinate")));
   put("periods", pair("periods", (periods) => change({ periods }), problem, (text) => fromFragment(`version=${VERSION}&periods=${text}`, fields).problems, true));
   put("span", axis("span", "μ"));
   put("range", axis("range", "x"));
-  put("positions", axis("positions", "u"));
-  put("velocities", axis("velocities", "v"));
+  put("positions", axis("positions", across));
+  put("velocities", axis("velocities", up ?? ""));
   put("gaps", axis("gaps", "l"));
   put("reach", axis("reach", "reach"));
   put("heights", axis("heights", "heights"));

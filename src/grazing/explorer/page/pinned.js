@@ -8,7 +8,7 @@ import { kept, numeral, settingOf } from "./state.js";
 
 /** @typedef {import("./diagram.js").Spec} Spec */
 /** @typedef {import("./state.js").State} State */
-/** @typedef {import("./gap.js").GapView | import("./flow.js").FlowView} Shown a view whose diagram can be kept */
+/** @typedef {import("./gap.js").GapView | import("./flow.js").FlowView | import("./mapped.js").MapView} Shown a view whose diagram can be kept */
 
 /** Numbers of a row that nobody sets. */
 const WITHIN = ["order", "paper"];
@@ -22,6 +22,7 @@ function differing(one, other, fields) {
 /** Axes along which both pictures lie: the kept one is computed for what is seen. @type {Record<string, (state: State, of: State) => Partial<State>>} */
 const SEEN = {
   gap: (state, { range }) => ({ span: state.span, range: state.range ?? range }),
+  map: (state, { window }) => ({ reach: state.reach, window: state.window ?? window }),
   oscillator: (state, { window }) => ({ reach: state.reach, window: state.window ?? window }),
 };
 

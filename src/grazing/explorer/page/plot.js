@@ -193,7 +193,7 @@ export class Axes {
     c.textAlign = "right";
     c.textBaseline = "middle";
     let last = Infinity;
-    for (const { value, text } of upwards.ticks) {
+    for (const { value, text } of labelY ? upwards.ticks : []) {
       const y = this.y(value);
       if (last - y < TEXT) continue; // in a low picture there is no room for it
       c.fillRect(box.x - 5, y - 0.5, 4, 1);
@@ -208,7 +208,7 @@ export class Axes {
     c.textAlign = "left";
     c.textBaseline = "top";
     const up = beside(labelY, upwards);
-    if (up === labelY) inscribe(c, labelY, 6, 2);
+    if (up === labelY || !labelY) inscribe(c, labelY, 6, 2);
     else {
       // too long for the margin: inside, over what is drawn, which is seen through
       c.globalAlpha = 0.75;

@@ -3,6 +3,7 @@
 
 const ZOOM = "drag to move the picture, zoom with the wheel or two fingers or a box with Shift; a double click shows all. Keys: arrows, +, −, 0.";
 const CHOOSE = `Click to choose the parameter, ${ZOOM}`;
+const CHART = `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`;
 /** What to do; `-two` for two walls, `-moving` for one that moves. @type {Record<string, string>} */
 export const HINTS = {
   gap: `Click in the diagram to choose μ, ${ZOOM} In the cobweb drag the start, and step from it. Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
@@ -11,26 +12,30 @@ export const HINTS = {
   "oscillator-two": `${CHOOSE} The letters of a word are the walls that are hit, A below and B above.`,
   "oscillator-moving": CHOOSE,
   ball: "Take the ball and pull: it flies the other way. In the portrait put it where it shall begin. Drag the line in the diagram, or the slider whose track has its colours. Keys: Space pauses, S steps, arrows aim and Enter throws. The faint curve is what most random starts settle on; the dots in the diagram are where this ball was at the section.",
-  "chart-gap": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
-  "chart-oscillator": `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`,
+  map: `${CHOOSE} Beside it drag the start, and step from it.`,
+  "chart-gap": CHART,
+  "chart-oscillator": CHART,
+  "chart-map": CHART,
   "chart-basins": `Each point is an initial state at the strobe, its colour the attractor that it reaches; dots are points of the attractors. Click to choose a state, ${ZOOM}`,
+  "chart-map-basins": `Each point is an initial state, its colour the attractor that it reaches; dots are points of the attractors. Click to choose the start, ${ZOOM}`,
   strobe: `Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump. Click to choose the start of the zero-time map, ${ZOOM}`,
 };
+const CHARTS = "chart-gap chart-oscillator chart-basins chart-map chart-map-basins";
 /** The scenes in which a control is shown; one not named here is shown with its section. @type {Record<string, string>} */
 export const SHOWN = {
   span: "gap edges chart-gap", range: "gap", gaps: "edges chart-gap", periods: "edges",
-  vary: "oscillator chart-oscillator", reach: "oscillator chart-oscillator", second: "chart-oscillator", heights: "chart-oscillator",
-  coordinate: "oscillator strobe", window: "oscillator", reduced: "oscillator",
-  positions: "chart-basins", velocities: "chart-basins", u0: "strobe", v0: "strobe", line: "strobe", order: "strobe",
-  chart: "chart-gap chart-oscillator chart-basins", chart_columns: "chart-gap chart-oscillator chart-basins", chart_rows: "chart-gap chart-oscillator chart-basins",
-  theory: "gap oscillator", colour: "gap oscillator", columns: "gap oscillator", bins: "gap oscillator",
-  starts: "gap oscillator", transient: "gap oscillator", keep: "gap oscillator", flow_starts: "oscillator", flow_transient: "oscillator", flow_keep: "oscillator",
-  seed: "gap edges oscillator chart-gap chart-oscillator", accuracy: "gap edges oscillator chart-gap chart-oscillator chart-basins",
+  vary: "oscillator map chart-oscillator chart-map", reach: "oscillator map chart-oscillator chart-map", second: "chart-oscillator chart-map", heights: "chart-oscillator chart-map",
+  coordinate: "oscillator map strobe", window: "oscillator map", reduced: "oscillator",
+  positions: "chart-basins chart-map-basins", velocities: "chart-basins chart-map-basins", u0: "strobe", v0: "strobe", line: "strobe", order: "strobe",
+  chart: CHARTS, chart_columns: CHARTS, chart_rows: CHARTS,
+  theory: "gap oscillator", colour: "gap map oscillator", columns: "gap map oscillator", bins: "gap map oscillator",
+  starts: "gap map oscillator", transient: "gap map oscillator", keep: "gap map oscillator", flow_starts: "oscillator", flow_transient: "oscillator", flow_keep: "oscillator",
+  seed: "gap map edges oscillator chart-gap chart-oscillator chart-map", accuracy: `gap map edges oscillator ${CHARTS}`,
 };
 /** Axes that a picture zooms, by scene. @type {Record<string, string[]>} */
 export const ZOOMED = {
-  gap: ["span", "range"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: ["reach"], "chart-gap": ["span", "gaps"],
+  gap: ["span", "range"], map: ["reach", "window"], "chart-map": ["reach", "heights"], "chart-map-basins": ["positions", "velocities"], edges: ["gaps", "span"], oscillator: ["reach", "window"], ball: ["reach"], "chart-gap": ["span", "gaps"],
   "chart-oscillator": ["reach", "heights"], "chart-basins": ["positions", "velocities"], strobe: ["line"],
 };
 /** The module that each view cannot do without. @type {Record<string, string>} */
-export const NEEDS = { gap: "gap", edges: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };
+export const NEEDS = { gap: "gap", map: "map", edges: "gap", oscillator: "oscillator", ball: "oscillator", chart: "gap", strobe: "oscillator" };

@@ -49,7 +49,7 @@ export const DEFAULTS = {
   sigma: 0, r: 0.8, V: 0.4, trigger: 0, law: "active", phase: 0,
   two: false, sigma_B: 0.2, r_B: 0.8, V_B: 0.2, trigger_B: 0, cos_A: 0, sin_A: 0,
   vary: "offset", reach: pair(0.05, 0.16), window: /** @type {Pair | null} */ (null), coordinate: "u", reduced: true,
-  x0: 0.05, web: 0,
+  x0: 0.05, y0: 0, web: 0,
   u0: 0.012, v0: -0.23, line: pair(0.01, 0.06), order: "lowest", ball: /** @type {[number, number, number] | null} */ (null),
   chart: "gap", second: "V", positions: pair(0, 0.5), velocities: pair(-0.8, 0.8), gaps: pair(0, 1), heights: pair(0, 0.8), chart_columns: 240, chart_rows: 180,
   theory: true, colour: true, twin: false, sweeps: false,
@@ -70,23 +70,31 @@ const WHOLE = { columns: [2, 4000], bins: [2, 4000], starts: [1, 1000], transien
 const PAIRS = ["span", "range", "reach", "window", "gaps", "heights", "line", "positions", "velocities"];
 const SWITCHES = ["two", "reduced", "theory", "colour", "twin", "sweeps"];
 /** @type {Record<string, string[]>} */
-const CHOICES = { view: VIEWS, law: Object.keys(LAWS), coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
+export const CHOICES = { view: VIEWS, law: Object.keys(LAWS), coordinate: ["u", "v"], vary: VARIED, second: VARIED, chart: ["gap", "oscillator", "basins"], order: ORDERS };
 
+/** Where a link of a map is at home. */
+const OF_A_MAP = "; a map of one’s own is shown by the page of “grazing explore --model”";
 /** Characters of a link beyond which none is ours, and parts of one that are explained: what is shown is read by somebody. */
 const LONGEST_LINK = 10_000, EXPLAINED = 8;
 /** What a link writes so that nothing in it is taken for its own signs. */
 const QUOTED = ["note", "pinned"];
 /** Views whose diagram can be pinned, and what of a state is no setting. */
-const PINNABLE = ["gap", "oscillator"], PASSING = /** @type {const} */ (["pinned", "note", "tour", "answer", "ball", "twin", "sweeps"]);
+export const PINNABLE = ["gap", "oscillator", "map"], PASSING = /** @type {const} */ (["pinned", "note", "tour", "answer", "ball", "twin", "sweeps"]);
 /** Characters of a note that a link may carry. */
 export const LONGEST_NOTE = 280;
 
 /** The parameters that a diagram can vary: those that the reset law and the walls have. @param {{law: string, two: boolean}} state */
 export const varied = ({ law, two }) => VARIED.filter((name) => (two || !above(name)) && (!ofLaws(name) || LAWS[law].includes(below(name))));
 
-/** Take up a model of the user's own: its law, and how far its sliders reach. @param {import("./laws.js").Model} model */
+/** Take up what the user brought: a map, which takes the place of all else, or the law of a model, and how far its sliders reach. @param {import("./laws.js").Model} model */
 export function adopt(model) {
   BROUGHT.model = model;
+  if (model.map) {
+    VARIED.splice(0, Infinity, ...Object.keys(model.names));
+    Object.assign(CHOICES, { view: ["map", "chart"], chart: VARIED.length > 1 ? ["map", "map-basins"] : ["map-basins"], coordinate: model.coordinates });
+    Object.assign(DEFAULTS, model.state);
+    return;
+  }
   Object.assign(OSCILLATOR_EXTENTS, model.extents);
   if (!model.own.length) return;
   LAWS[model.law] = model.own;
@@ -102,7 +110,7 @@ export const opening = () => ({ ...structuredClone(DEFAULTS), ...structuredClone
 
 /** The whole of an axis of the oscillator. @param {"reach" | "heights"} axis @param {string} name of its parameter @returns {Pair} */
 export function wholeOf(axis, name) {
-  if (BROUGHT.model) return OSCILLATOR_EXTENTS[name];
+  if (BROUGHT.model) return (BROUGHT.model.reaches ?? OSCILLATOR_EXTENTS)[name];
   return name === (axis === "reach" ? DEFAULTS.vary : DEFAULTS.second) ? DEFAULTS[axis] : OSCILLATOR_EXTENTS[name];
 }
 
@@ -154,7 +162,7 @@ export function allowed(field, [low, high]) {
 function read(key, text, fields) {
   const number = (/** @type {string} */ word) => (word.trim() === "" ? NaN : Number(word));
   if (CHOICES[key]) {
-    if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}${key === "law" ? ", and a law of one’s own on the page of “grazing explore --model”" : ""}`);
+    if (!CHOICES[key].includes(text)) throw new Error(`${key}=${text}; allowed are ${CHOICES[key].join(", ")}${key === "law" ? ", and a law of one’s own on the page of “grazing explore --model”" : ""}${text.startsWith("map") ? OF_A_MAP : ""}`);
     return text;
   }
   if (SWITCHES.includes(key)) {
@@ -231,7 +239,7 @@ export function fromFragment(fragment, fields) {
   for (const [key, text] of given) {
     if (!text && QUOTED.includes(key)) continue;
     if (!Object.hasOwn(DEFAULTS, key)) {
-      problems.push(`${key} is no part of a link`);
+      problems.push(`${key} is no part of a link${key.startsWith("map.") ? OF_A_MAP : ""}`);
       continue;
     }
     try {
@@ -262,7 +270,7 @@ export function mended(state, fields, given = []) {
   }
   if (!names.includes(state.second)) {
     without("second", state.second);
-    state.second = ["r", "omega"].find((name) => name !== state.vary) ?? "r";
+    state.second = ["r", "omega", ...names].find((name) => name !== state.vary && names.includes(name)) ?? state.vary;
     state.heights = wholeOf("heights", state.second);
   }
   if (state.two && !(state.sigma_B - state.sigma >= ROOM)) {
@@ -303,7 +311,7 @@ export function toFragment(state) {
   const usual = /** @type {Record<string, unknown>} */ (DEFAULTS);
   const parts = [`version=${VERSION}`, `view=${state.view}`];
   for (const [key, value] of Object.entries(state)) {
-    const own = key.includes(".") && LAWS[state.law].includes(below(key)) && (state.two || !above(key)); // the file may change
+    const { model } = BROUGHT, own = model?.map ? key in model.state : key.includes(".") && LAWS[state.law].includes(below(key)) && (state.two || !above(key)); // the file may change
     if (key === "view" || (!own && JSON.stringify(value) === JSON.stringify(usual[key]))) continue;
     const text = Array.isArray(value) ? value.join(":") : typeof value === "boolean" ? (value ? "yes" : "no") : value;
     parts.push(`${key}=${QUOTED.includes(key) ? encodeURIComponent(String(text)) : text}`);

@@ -1,6 +1,6 @@
 // @ts-check
 /** What is shown, as a Python program and as a command: both make exactly the raster on screen. */
-import { LAWS, ownOf, plain } from "./laws.js";
+import { BROUGHT, LAWS, ownOf, plain } from "./laws.js";
 import { PRESETS } from "./presets.js";
 import { DEFAULTS } from "./state.js";
 import { SWEEP } from "./sweeps.js";
@@ -88,6 +88,18 @@ function calledIn(state, name) {
 
 const called = (/** @type {State} */ state) => calledIn(state, state.vary);
 
+/** A word of a command as a shell reads it. @param {string} text */
+const shelled = (text) => (/^[\w./:-]+$/.test(text) ? text : `'${text.replaceAll("'", "'\\''")}'`);
+
+/** The user's own map at a state, as a program has it: the line that makes it, and what it calls parameters. @param {State} state @param {import("./laws.js").Model} own */
+function mapped(state, own) {
+  const values = valuesOf(state, own), plainly = values.every(([name]) => /^\w+$/.test(name));
+  return `P = runpy.run_path(${JSON.stringify(own.file)})["${own.name}"].replace(${plainly ? values.map(([name, value]) => `${name}=${value}`).join(", ") : `**{${values.map(([name, value]) => `"${name}": ${value}`).join(", ")}}`})`;
+}
+
+/** The map of the user's own as options of a command, without the parameters that vary. @param {State} state @param {import("./laws.js").Model} own @param {string[]} varied */
+const mapOptions = (state, own, varied) => [`--map ${shelled(own.said)}`, ...valuesOf(state, own).filter(([name]) => !varied.includes(name)).map(([name, value]) => `${name}=${value}`)].join(" ");
+
 /** Whether a state is that of a figure of the paper, whatever its colours. @param {State} state @param {string} name */
 export function isFigure(state, name) {
   const [own, wanted] = /** @type {Record<string, unknown>[]} */ ([state, { ...DEFAULTS, ...PRESETS[name].state }]);
@@ -100,7 +112,7 @@ function options(state, varied, section = true) {
   if (given) {
     const left = varied.map((name) => given.names[name]);
     const values = valuesOf(state, given).filter(([name]) => !left.includes(name)).map(([name, value]) => `${name}=${value}`);
-    return `--model ${/^[\w./:-]+$/.test(given.said) ? given.said : `'${given.said.replaceAll("'", "'\\''")}'`} ${values.join(" ")}${section ? ` --phase=${state.phase}` : ""}`;
+    return `--model ${shelled(given.said)} ${values.join(" ")}${section ? ` --phase=${state.phase}` : ""}`;
   }
   /** @type {Record<string, number>} */
   const own = { alpha: state.alpha, k: state.k, omega: state.omega, t0: state.t0, [optionOf(state, "offset")]: state.offset };
@@ -113,14 +125,15 @@ function options(state, varied, section = true) {
 
 /** How many starts and steps the diagram of the view has. @param {State} state */
 export function steps(state) {
-  if (state.view === "gap") return { starts: state.starts, transient: state.transient, keep: state.keep };
+  if (state.view === "gap" || state.view === "map") return { starts: state.starts, transient: state.transient, keep: state.keep };
   return { starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep };
 }
 
 /** A Python program that computes and draws the picture. @param {State} state @param {Raster} raster */
 export function python(state, raster) {
+  const map = BROUGHT.model?.map ? BROUGHT.model : null;
   const own = state.view === "gap" || state.view === "edges" || (state.view === "chart" && state.chart === "gap") ? null : ownOf(state);
-  const bare = `${own ? "import runpy\n\n" : ""}import grazing as gz\n\n${own ? `own = runpy.run_path(${JSON.stringify(own.file)})["${own.name}"]\n` : ""}`;
+  const bare = `${own || map ? "import runpy\n\n" : ""}import grazing as gz\n\n${own ? `own = runpy.run_path(${JSON.stringify(own.file)})["${own.name}"]\n` : ""}`;
   const head = bare.replace("import grazing", "import numpy as np\n\nimport grazing");
   if (state.view === "ball" && state.sweeps) {
     const name = called(state), [from, to] = state.reach, { values, transient, keep } = SWEEP;
@@ -161,26 +174,29 @@ gz.plot.save(figure, "edges.png")
 `;
   }
   if (state.view === "chart") {
-    if (state.chart === "basins") {
+    if (raster.basins) {
       const grid = raster.names.map((/** @type {string} */ name, /** @type {number} */ i) => `"${name}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`).join(", ");
-      return `${head}P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})\nresult = gz.basins(\n    P, {${grid}},\n    transient=${raster.transient}, keep=${raster.keep}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.basins(result, graze=-1), "basins.png")\n`;
+      return `${head}${map ? mapped(state, map) : `P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})`}\nresult = gz.basins(\n    P, {${grid}},\n    transient=${raster.transient}, keep=${raster.keep}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.basins(result, graze=-1), "basins.png")\n`;
     }
     const gap = raster.name === "gap";
-    const axis = (/** @type {number} */ i) => `"${gap ? raster.names[i] : calledIn(state, raster.names[i])}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`;
-    const map = gap ? `P = gz.gap_map(lam=${state.lam}, mu=${state.mu}, l=${state.l})` : `P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})`;
-    return `${head}${map}\nresult = gz.chart(\n    P, {${axis(0)}, ${axis(1)}},\n    starts=${raster.starts}, transient=${raster.transient}, keep=${raster.keep}, seed=${state.seed}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.chart(result), "chart.png")\n`;
+    const axis = (/** @type {number} */ i) => `"${gap ? raster.names[i] : map ? map.names[raster.names[i]] : calledIn(state, raster.names[i])}": np.linspace(${raster.ends[i].join(", ")}, ${raster.sizes[i]})`;
+    const made = map ? mapped(state, map) : gap ? `P = gz.gap_map(lam=${state.lam}, mu=${state.mu}, l=${state.l})` : `P = gz.stroboscopic_map(${model(state)}, phase=${state.phase})`;
+    return `${head}${made}\nresult = gz.chart(\n    P, {${axis(0)}, ${axis(1)}},\n    starts=${raster.starts}, transient=${raster.transient}, keep=${raster.keep}, seed=${state.seed}, arithmetic="strict",\n)\ngz.plot.save(gz.plot.chart(result), "chart.png")\n`;
   }
   const { starts, transient, keep } = steps(state);
   /** @param {string} map @param {string} name @param {import("./state.js").Pair} ends @param {string} coordinate */
   const study = (map, name, [from, to], coordinate) =>
     `result = gz.density(\n    ${map}, "${name}", np.linspace(${from}, ${to}, ${state.columns}), bins=${state.bins}, coordinate="${coordinate}",\n    range=(${raster.low}, ${raster.high}), starts=${starts}, transient=${transient}, keep=${keep}, seed=${state.seed},\n    arithmetic="strict",\n)\ngz.plot.save(gz.plot.density(result), "density.png")\n`;
+  if (map) return `${head}${mapped(state, map)}\n${study("P", map.names[state.vary], state.reach, state.coordinate)}`;
   if (state.view === "gap") return `${head}G = gz.gap_map(lam=${state.lam}, mu=${state.mu}, l=${state.l})\n${study("G", "mu", state.span, "x")}`;
   return `${head}m = ${model(state)}\nP = gz.stroboscopic_map(m, phase=${state.phase})\n${study("P", called(state), state.reach, state.coordinate)}`;
 }
 
 /** The same as a command. @param {State} state @param {Raster} raster */
 export function command(state, raster) {
-  const own = ownOf(state);
+  const own = ownOf(state), map = BROUGHT.model?.map ? BROUGHT.model : null;
+  const optional = (/** @type {string[]} */ varied) => (map ? mapOptions(state, map, varied.map((name) => map.names[name])) : options(state, varied));
+  const called = (/** @type {string} */ name) => (map ? map.names[name] : optionOf(state, name));
   if (own && !brought(state) && state.view !== "gap" && state.view !== "edges" && !(state.view === "chart" && state.chart === "gap")) {
     return `# a command has the oscillator of ${own.said} as it is, with one wall at rest and its own harmonics: copy the Python program`;
   }
@@ -190,13 +206,13 @@ export function command(state, raster) {
     return `grazing chart l=${state.gaps.join(":")}:${state.chart_columns} mu=${state.span.join(":")}:${state.chart_rows} --map gap --lam ${state.lam} --curves ${first === last ? first : `${first}:${last}`} --seed ${state.seed} --arithmetic strict -o edges.png`;
   }
   if (state.view === "chart") {
-    if (state.chart === "basins") {
+    if (raster.basins) {
       const grid = raster.names.map((/** @type {string} */ name, /** @type {number} */ i) => `${name}=${raster.ends[i].join(":")}:${raster.sizes[i]}`).join(" ");
-      return `grazing basins ${grid} --transient ${raster.transient} --keep ${raster.keep} --arithmetic strict ${options(state, [])} -o basins.png`;
+      return `grazing basins ${grid} --transient ${raster.transient} --keep ${raster.keep} --arithmetic strict ${optional([])} -o basins.png`;
     }
     const gap = raster.name === "gap";
-    const axis = (/** @type {number} */ i) => `${gap ? raster.names[i] : optionOf(state, raster.names[i])}=${raster.ends[i].join(":")}:${raster.sizes[i]}`;
-    const rest = gap ? `--map gap --lam ${state.lam}` : options(state, raster.names);
+    const axis = (/** @type {number} */ i) => `${gap ? raster.names[i] : called(raster.names[i])}=${raster.ends[i].join(":")}:${raster.sizes[i]}`;
+    const rest = gap ? `--map gap --lam ${state.lam}` : optional(raster.names);
     return `grazing chart ${axis(0)} ${axis(1)} --starts ${raster.starts} --transient ${raster.transient} --keep ${raster.keep} --seed ${state.seed} --arithmetic strict ${rest} -o chart.png`;
   }
   const { starts, transient, keep } = steps(state);
@@ -210,5 +226,5 @@ export function command(state, raster) {
     return `${way("up")}\n${way("down")}`;
   }
   if (state.view === "ball") return `grazing trajectory u=${raster.u} v=${raster.v} --start=${raster.start} --until=${raster.start + raster.periods * ((2 * Math.PI) / state.omega)} ${options(state, [], false)} -o ball.png`;
-  return `${study(state.reach, optionOf(state, state.vary), state.coordinate)} ${options(state, [state.vary])} -o density.png`;
+  return `${study(state.reach, called(state.vary), state.coordinate)} ${optional([state.vary])} -o density.png`;
 }

@@ -15,7 +15,7 @@ const TIMES = ["never", "once", "twice"];
 function rhythm({ period, impacts, length, word }) {
   if (period < 1) return "it hits on and on and no tune repeats";
   if (RESTS.test(word)) return "it lies on the bumper";
-  if (impacts === null) return "its hits come ever faster, without end, until it lies still; then the force lifts it off";
+  if (impacts == null) return "its hits come ever faster, without end, until it lies still; then the force lifts it off";
   if (impacts === 0) return "it swings and never hits";
   const hits = TIMES[impacts] ?? `${spelt(impacts)} times`;
   return `it hits ${hits} ${length === 1 ? "in every push" : `in ${spelt(length)} pushes`}: ${word}`;
