@@ -107,6 +107,9 @@ def test_balls_come_together_on_a_periodic_orbit(shown, address):
     faster(shown)
     shown.until(f"() => {BALL}.company.rate.turns >= 20")
     assert "Near balls come together: λ = −" in shown.page.inner_text("#rate")
+    pixels = f"() => {{ const {{ company, place, strip: {{ axes }} }} = {BALL}; company.begin(); "
+    pixels += "return Math.abs(axes.y(company.twin.place[0]) - axes.y(place[0])); }"
+    assert 0 < shown.page.evaluate(pixels) < 1  # it begins where it cannot be told from the ball
     assert shown.page.evaluate(f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])") < 1e-3
 
 
