@@ -76,7 +76,10 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
     const a = Math.max(Math.min(...ends), axes.x0), b = Math.min(Math.max(...ends), axes.x1);
     if (!(b > a)) continue;
     const middle = axes.x((a + b) / 2);
-    if (Math.abs(last - middle) < 20) continue;
+    const room = Math.abs(last - middle) >= 20; // those after the first without room are narrower still
+    c.fillStyle = room ? periodColour(N) : theme().faint;
+    c.fillText(room ? String(N) : "…", room ? middle : last + (middle < last ? -17 : 17), box.y - 3);
+    if (!room) break;
     last = middle;
     c.fillStyle = periodColour(N);
     c.fillText(String(N), middle, box.y - 3);
