@@ -182,7 +182,7 @@ def test_keys_are_at_hand_before_a_room(shown, address):
 
 
 def test_hands_do_the_same_before_a_room(shown, address):
-    shown.open(f"{address}#version=2&view=gap&columns=60")
+    shown.open(f"{address}#version=2&view=gap&columns=60&mu=0.12345678")
     shown.page.keyboard.press("p")
     shown.settle()
     axes = "explorer.views.gap.diagram.axes"
@@ -192,6 +192,9 @@ def test_hands_do_the_same_before_a_room(shown, address):
         f"([x, y]) => {{ const a = {axes}, [across, down] = a.place({{ clientX: x, clientY: y }}); "
         "return [a.atX(across), a.atY(down)]; }"
     )
+    width = "e => [e.scrollWidth, e.clientWidth]"
+    whole, room = shown.page.eval_on_selector("input[type=number][name=mu]", width)
+    assert whole <= room and "μ = 0.123457," in shown.page.inner_text("#summary")
     before = shown.page.evaluate(under, [x, y])
     width = shown.page.evaluate(f"() => {axes}.x1 - {axes}.x0")
     shown.page.mouse.click(x, y)
