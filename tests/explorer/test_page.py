@@ -410,9 +410,11 @@ def test_the_local_map_says_that_it_is_of_one_wall(shown, address):
     shown.until("() => !document.getElementById('problem').hidden")
     assert "one wall at rest; take the second wall away" in shown.problem()
     assert shown.page.get_attribute("#strobe", "data-stage") == "failed"
+    # no frame stands empty
+    assert shown.page.is_hidden("#zero-time") and shown.page.locator("#strobe").bounding_box()["height"] < 150
     shown.page.click("text=a second wall, above the ball")
     shown.settle()
-    assert shown.problem() == "" and "two" not in shown.link()
+    assert shown.problem() == "" and "two" not in shown.link() and shown.page.is_visible("#zero-time")
 
 
 AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_modules/axe-core/axe.min.js")
