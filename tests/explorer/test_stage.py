@@ -128,6 +128,10 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown) and shown.page.evaluate("() => document.activeElement.id") == "present"
     shown.page.keyboard.press("P")
     assert presenting(shown) and shown.pixels("strip") != before
+    box = shown.page.locator("#ball-diagram").bounding_box()
+    shown.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    shown.page.mouse.wheel(0, -200)
+    shown.until("() => explorer.state().reach[0] > 0.05")  # in full screen too
     shown.page.keyboard.press("p")
     assert not presenting(shown)
     shown.page.keyboard.press("p")
