@@ -160,6 +160,9 @@ def test_a_narrow_screen_is_filled_too(browser, address, view):
     slider = shown.page.locator(".control.turned").bounding_box()
     assert picture["height"] > 200 and picture["y"] + picture["height"] <= slider["y"]
     assert slider["y"] + slider["height"] <= 844
+    cut = """() => [...document.querySelectorAll("#controls :is(input, label, select)")]
+      .filter((e) => e.checkVisibility() && e.getBoundingClientRect().bottom > innerHeight - 8).map((e) => e.name)"""
+    assert shown.page.evaluate(cut) == []
     if AXE.exists():
         shown.page.evaluate(AXE.read_text(encoding="utf-8"))
         found = shown.page.evaluate("() => axe.run()")["violations"]
@@ -189,6 +192,9 @@ def test_hands_do_the_same_before_a_room(shown, address):
     shown.open(f"{address}#version=2&view=gap&columns=60&mu=0.12345678")
     shown.page.keyboard.press("p")
     shown.settle()
+    width = "e => [e.scrollWidth, e.clientWidth]"
+    whole, room = shown.page.eval_on_selector("input[type=number][name=mu]", width)
+    assert whole <= room and "μ = 0.123457," in shown.page.inner_text("#summary")
     axes = "explorer.views.gap.diagram.axes"
     box = shown.page.locator("#gap-diagram").bounding_box()
     x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"]
@@ -196,9 +202,6 @@ def test_hands_do_the_same_before_a_room(shown, address):
         f"([x, y]) => {{ const a = {axes}, [across, down] = a.place({{ clientX: x, clientY: y }}); "
         "return [a.atX(across), a.atY(down)]; }"
     )
-    width = "e => [e.scrollWidth, e.clientWidth]"
-    whole, room = shown.page.eval_on_selector("input[type=number][name=mu]", width)
-    assert whole <= room and "μ = 0.123457," in shown.page.inner_text("#summary")
     before = shown.page.evaluate(under, [x, y])
     width = shown.page.evaluate(f"() => {axes}.x1 - {axes}.x0")
     shown.page.mouse.click(x, y)
