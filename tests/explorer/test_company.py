@@ -20,6 +20,15 @@ def faster(shown, speed=12):
 
 # ---- attractors
 
+#: What is written in the portrait, in order.
+WRITTEN = f"""() => {{
+  const {{ context: pen }} = {BALL}.axes, write = pen.fillText, seen = [];
+  pen.fillText = (text) => seen.push(text);
+  {BALL}.draw();
+  pen.fillText = write;
+  return seen;
+}}"""
+
 
 def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
     shown.open(f"{address}#version=2&view=ball&offset=0.1225")
@@ -27,7 +36,7 @@ def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
         shown.page.evaluate(f"() => {BALL}.orbits.map(o => o.{what})")
         for what in ("name", "colour", "flight.hits.length")
     )
-    shares = {name.split()[0]: int(name.split()[1].partition("/")[0]) for name in names}
+    shares = {word: int(share) for word, share in (name.split(": ") for name in names)}
     assert shares.keys() == {"001", "0001"} and sum(shares.values()) == 16 and flights == [1, 1]
     said = shown.page.inner_text("#summary")
     for word, share in shares.items():
@@ -48,6 +57,10 @@ def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
         }"""
     )
     assert set(rgb) <= set(painted)
+    written = shown.page.evaluate(WRITTEN)
+    assert [text for text in written if "0" in text or "starts" in text][-3:] == [*names, "of 16 starts"]
+    shown.page.evaluate(f"() => {{ {BALL}.orbits = Array(6).fill({BALL}.orbits[0]); }}")
+    assert shown.page.evaluate(WRITTEN)[-1] == "… of 16 starts"  # for all six there is no room
 
 
 def test_the_ball_takes_the_colour_of_the_orbit_it_is_on(shown, address):
@@ -94,6 +107,9 @@ def test_the_rate_is_the_lyapunov_exponent_of_python(shown, address, given, mode
 def test_balls_part_where_orbits_are_chaotic(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20&{CHAOTIC}&twin=yes")
     faster(shown)
+    pixels = f"() => {{ const {{ company, place, strip: {{ axes }} }} = {BALL}; company.begin(); "
+    pixels += "return Math.abs(axes.y(company.twin.place[0]) - axes.y(place[0])); }"
+    assert 0 < shown.page.evaluate(pixels) < 1  # it begins where it cannot be told from the ball
     height = shown.page.evaluate(f"() => {BALL}.axes.x1")
     apart = f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])"
     shown.until(f"{apart} > {0.3 * height}")  # it is seen

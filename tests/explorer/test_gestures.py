@@ -227,6 +227,9 @@ def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
     shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
     quiet = shown.pixels(canvas)
     start, end = place(shown, canvas, 0.5, 0.4), place(shown, canvas, 0.5, 0.6)
+    if canvas == "strip":
+        shown.page.mouse.click(*start)
+        assert state(shown, "ball") is None and preview(shown) is None  # a click throws nothing
     shown.page.mouse.move(*start)
     shown.page.mouse.down()
     shown.page.mouse.move(*end, steps=4)

@@ -128,6 +128,10 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown) and shown.page.evaluate("() => document.activeElement.id") == "present"
     shown.page.keyboard.press("P")
     assert presenting(shown) and shown.pixels("strip") != before
+    box = shown.page.locator("#ball-diagram").bounding_box()
+    shown.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
+    shown.page.mouse.wheel(0, -200)
+    shown.until("() => explorer.state().reach[0] > 0.05")  # in full screen too
     shown.page.keyboard.press("p")
     assert not presenting(shown)
     shown.page.keyboard.press("p")
@@ -156,6 +160,9 @@ def test_a_narrow_screen_is_filled_too(browser, address, view):
     slider = shown.page.locator(".control.turned").bounding_box()
     assert picture["height"] > 200 and picture["y"] + picture["height"] <= slider["y"]
     assert slider["y"] + slider["height"] <= 844
+    cut = """() => [...document.querySelectorAll("#controls :is(input, label, select)")]
+      .filter((e) => e.checkVisibility() && e.getBoundingClientRect().bottom > innerHeight - 8).map((e) => e.name)"""
+    assert shown.page.evaluate(cut) == []
     if AXE.exists():
         shown.page.evaluate(AXE.read_text(encoding="utf-8"))
         found = shown.page.evaluate("() => axe.run()")["violations"]
@@ -182,9 +189,12 @@ def test_keys_are_at_hand_before_a_room(shown, address):
 
 
 def test_hands_do_the_same_before_a_room(shown, address):
-    shown.open(f"{address}#version=2&view=gap&columns=60")
+    shown.open(f"{address}#version=2&view=gap&columns=60&mu=0.12345678")
     shown.page.keyboard.press("p")
     shown.settle()
+    width = "e => [e.scrollWidth, e.clientWidth]"
+    whole, room = shown.page.eval_on_selector("input[type=number][name=mu]", width)
+    assert whole <= room and "μ = 0.123457," in shown.page.inner_text("#summary")
     axes = "explorer.views.gap.diagram.axes"
     box = shown.page.locator("#gap-diagram").bounding_box()
     x, y = box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"]

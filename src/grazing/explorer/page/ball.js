@@ -193,7 +193,7 @@ export class BallView {
     if (this.search.waiting) this.attractor = { times: new Float64Array(0), cut: false, u: [], v: [], hits: [], rests: [] };
     this.orbits = this.search.waiting ? [] : this.classes.filter(({ period }, i) => period > 0 || i === 0).slice(0, ORBITS).map((each, i) => ({
       flight: i ? flown(this.machine, this.model, each.points[0][0], each.points[0][1], Math.min(each.period, 24)) : this.attractor,
-      colour: periodColour(each.period), thin: !(each.period > 0), name: `${each.word || "no tune"} ${Math.round(16 * each.share)}/16`,
+      colour: periodColour(each.period), thin: !(each.period > 0), name: `${each.word || "no tune"}: ${Math.round(16 * each.share)}`,
     }));
     for (const { flight } of this.orbits.slice(1)) this.ends = /** @type {typeof this.ends} */ (this.#around(flight).map((end, i) => Math[i % 2 ? "max" : "min"](end, this.ends[i])));
     this.home = [u, v, this.state.phase];
@@ -397,7 +397,7 @@ export class BallView {
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
     said.push(...words(this.classes));
-    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${state.ball[0].toPrecision(6)}, ${state.ball[1].toPrecision(6)}) at t = ${state.ball[2].toPrecision(6)}: the link and the copied program begin there. “Settle” goes back to the orbit.` });
+    if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${numeral(state.ball[0])}, ${numeral(state.ball[1])}) at t = ${numeral(state.ball[2])}: the link and the copied program begin there. “Settle” goes back to the orbit.` });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });
     said.push(...this.company.said(plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)])));

@@ -8,7 +8,7 @@ import { Gestures } from "./gestures.js";
 import { basins, linspace } from "./jobs.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
-import { allowed, tidy, numeral } from "./state.js";
+import { allowed, numeral, tidy, told } from "./state.js";
 import { ceiling, inside } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -331,7 +331,7 @@ export class ChartView {
     if (!plan || !state) return [];
     if (plan.basins) return this.#inWords(state);
     const symbols = this.#symbols();
-    const at = symbols.map((symbol, i) => `${symbol} = ${valueOf(state, plan.names[i])}`).join(", ");
+    const at = symbols.map((symbol, i) => `${symbol} = ${told(valueOf(state, plan.names[i]), plan.ends[i])}`).join(", ");
     return [{ text: `At ${at}:` }, ...(this.search.waiting ? [{ text: SEARCHING }] : []), ...words(this.search.classes), ...this.#periods()];
   }
 

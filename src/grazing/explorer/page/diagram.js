@@ -60,12 +60,12 @@ class Raster {
 }
 
 /** The colours of periods, and of what has none or is not known yet, as numbers of a pixel without its opacity: ABGR, as bytes lie in memory. */
-const shades = { ink: "", plain: 0, unknown: 0, words: new Uint32Array(256) };
+const shades = { ink: "", plain: 0, chaos: 0, unknown: 0, words: new Uint32Array(256) };
 function mixed() {
-  const { ink } = theme();
+  const { ink, chaos } = theme();
   if (shades.ink !== ink) {
     const word = (/** @type {string} */ colour) => rgb(colour).reduce((all, part, i) => all | (part << (8 * i)), 0);
-    Object.assign(shades, { ink, plain: word(ink), unknown: word(faded(ink, 0.4)), words: Uint32Array.from({ length: 256 }, (_, N) => word(periodColour(N || 1))) });
+    Object.assign(shades, { ink, plain: word(ink), chaos: word(chaos), unknown: word(faded(ink, 0.4)), words: Uint32Array.from({ length: 256 }, (_, N) => word(periodColour(N || 1))) });
   }
   return shades;
 }
@@ -287,7 +287,7 @@ export class Diagram {
 
   /** @param {Raster} raster @param {Uint32Array} pixels @param {number} W @param {number} H @param {number} thick lines of a period, in pixels */
   #fill({ spec, columns, bins, counts, codes, totals, coloured }, pixels, W, H, thick) {
-    const { plain: none, unknown, words } = mixed(), plain = spec.colour && this.stage !== "done" ? unknown : none;
+    const { plain: ink, chaos, unknown, words } = mixed(), plain = !spec.colour ? ink : this.stage === "done" ? chaos : unknown;
     pixels.fill(0); // transparent: the paper, and what lies under the raster, shows
     const bottoms = Int32Array.from({ length: bins }, (_, b) => H - 1 - Math.floor((b * H) / bins));
     const tops = bottoms.map((bottom, b) => Math.min(bottom, H - Math.floor(((b + 1) * H) / bins)));

@@ -5,7 +5,7 @@ import { Gestures } from "./gestures.js";
 import { found, linspace } from "./jobs.js";
 import { words } from "./orbits.js";
 import { Axes, FONT } from "./plot.js";
-import { tidy } from "./state.js";
+import { numeral, tidy, told } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./machine.js").Machine} Machine */
@@ -158,7 +158,7 @@ export class EdgesView {
         c.fill();
         c.stroke();
       }
-      const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${Number(l.toFixed(4))}`;
+      const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${numeral(l, 4)}`;
       const wide = c.measureText(text).width, left = axes.x(l) + 6 + wide > box.x + box.w;
       const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 20 * k;
       c.fillStyle = theme().paper + "d0";
@@ -196,8 +196,8 @@ export class EdgesView {
 
   /** What is shown, in words. @returns {{colour?: string, text: string}[]} */
   summary() {
-    const { lam, l, mu, periods } = /** @type {State} */ (this.state);
-    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `At l = ${l}, μ = ${mu}, λ = ${lam}:` }]);
+    const { lam, l, mu, periods, span, gaps } = /** @type {State} */ (this.state);
+    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `At l = ${told(l, gaps)}, μ = ${told(mu, span)}, λ = ${numeral(lam)}:` }]);
     said.push(...words(this.classes ?? []));
     if (l < 0) return [...said, { text: "The windows of theory are known for l ≥ 0." }];
     const { table } = this.machine.call("edges", { periods: periods[1], lam, l }, ["table"]);
@@ -205,11 +205,11 @@ export class EdgesView {
     for (let N = periods[0]; N <= last; N++) {
       const [doubling, collision] = [table[3 * N - 2], table[3 * N - 1]];
       const from = appears(N, lam);
-      const window = doubling < collision ? `stable for ${doubling.toPrecision(8)} < μ${Number.isFinite(collision) ? ` < ${collision.toPrecision(8)}` : ""}` : "no window at this gap";
-      said.push({ colour: periodColour(N), text: `Period ${N}: ${window}${from > 0 ? `; it has one from l = ${from.toFixed(10)} on` : ""}.` });
+      const window = doubling < collision ? `stable for ${told(doubling, span)} < μ${Number.isFinite(collision) ? ` < ${told(collision, span)}` : ""}` : "no window at this gap";
+      said.push({ colour: periodColour(N), text: `Period ${N}: ${window}${from > 0 ? `; it has one from l = ${told(from, gaps)} on` : ""}.` });
     }
     for (const { periods: both, l: from } of this.marks ?? []) {
-      if (both.length > 1 && both[1] <= last) said.push({ text: `Windows ${both.join(" and ")} ${from > 0 ? `overlap from l = ${from.toFixed(10)} on` : "overlap at every gap"}.` });
+      if (both.length > 1 && both[1] <= last) said.push({ text: `Windows ${both.join(" and ")} ${from > 0 ? `overlap from l = ${told(from, gaps)} on` : "overlap at every gap"}.` });
     }
     if (last < periods[1]) said.push({ text: `${periods[1] - last} further periods are drawn and not listed.` });
     return said;

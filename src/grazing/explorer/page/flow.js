@@ -7,7 +7,7 @@ import { extent, linspace, normalForm } from "./jobs.js";
 import { ownOf } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
-import { allowed, later } from "./state.js";
+import { allowed, later, numeral, told } from "./state.js";
 import { isPinball } from "./text.js";
 import { crossings, still } from "./walls.js";
 
@@ -181,7 +181,7 @@ export class FlowView {
       const values = linspace(...state.reach, state.columns);
       const mu = this.form.mu(values);
       if (!mu.every(Number.isFinite)) this.why = "The steady response does not exist on all of this range.";
-      else if (!(lam > -1 && lam < 1)) this.why = `λ = ${lam.toPrecision(4)} lies outside the form.`;
+      else if (!(lam > -1 && lam < 1)) this.why = `λ = ${numeral(lam)} lies outside the form.`;
       else {
         this.mu = mu;
         this.values = values;
@@ -233,15 +233,15 @@ export class FlowView {
   summary() {
     const { state } = this;
     const name = plainSymbol(this.machine.described.fields[this.machine.fields.indexOf(state.vary)]);
-    const value = valueOf(state, state.vary);
+    const value = valueOf(state, state.vary), { reach: ends } = state;
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `At ${name} = ${value}:` }];
+    const said = [{ text: `At ${name} = ${told(value, ends)}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
     said.push(...words(this.classes));
     if (this.form) {
       const { graze, lam, l } = this.form;
       const mu = this.form.mu(Float64Array.of(value))[0];
-      said.push({ text: `Normal form at the graze ${name} = ${graze.toPrecision(10)}: λ = ${lam.toPrecision(6)}, l = ${l.toPrecision(6)}, and here μ = ${mu.toPrecision(6)}.` });
+      said.push({ text: `Normal form at the graze ${name} = ${told(graze, ends)}: λ = ${numeral(lam)}, l = ${numeral(l)}, and here μ = ${numeral(mu)}.` });
       const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);
       if (inside.length && !this.why) said.push({ text: `It predicts ${inside.map(({ N }) => `period ${N}`).join(" and ")} here.` });
     }

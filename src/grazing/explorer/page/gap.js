@@ -5,7 +5,7 @@ import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
 import { found } from "./jobs.js";
 import { words } from "./orbits.js";
-import { LONGEST, numeral } from "./state.js";
+import { LONGEST, numeral, told } from "./state.js";
 
 /** @typedef {import("./state.js").State} State */
 /** @typedef {import("./state.js").Pair} Pair */
@@ -76,10 +76,11 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
     const a = Math.max(Math.min(...ends), axes.x0), b = Math.min(Math.max(...ends), axes.x1);
     if (!(b > a)) continue;
     const middle = axes.x((a + b) / 2);
-    if (Math.abs(last - middle) < 20) continue;
+    const room = Math.abs(last - middle) >= 20; // those after the first without room are narrower still
+    c.fillStyle = room ? periodColour(N) : theme().faint;
+    c.fillText(room ? String(N) : "…", room ? middle : last + (middle < last ? -17 : 17), box.y - 3);
+    if (!room) break;
     last = middle;
-    c.fillStyle = periodColour(N);
-    c.fillText(String(N), middle, box.y - 3);
   }
 }
 
@@ -177,16 +178,16 @@ export class GapView extends Beside {
 
   /** What is shown, in words. */
   summary() {
-    const { lam, mu, l } = this.state;
+    const { lam, mu, l, span } = this.state;
     /** @type {import("./state.js").Line[]} */
-    const said = [{ text: `At μ = ${mu}, λ = ${lam}, l = ${l}:` }];
+    const said = [{ text: `At μ = ${told(mu, span)}, λ = ${numeral(lam)}, l = ${numeral(l)}:` }];
     said.push(...words(this.classes));
     const own = walk(this.state), letters = own.slice(0, -1).map((x) => (x < 0 ? "L" : "R")).join("");
-    if (letters) said.push({ text: `From x₀ = ${own[0]}: ${letters.length > 60 ? `…${letters.slice(-60)}` : letters}, now x = ${numeral(own[own.length - 1])}.` });
+    if (letters) said.push({ text: `From x₀ = ${numeral(own[0])}: ${letters.length > 60 ? `…${letters.slice(-60)}` : letters}, now x = ${numeral(own[own.length - 1])}.` });
     const inside = this.windows.filter(({ doubling, collision }) => mu > doubling && mu < collision);
     if (!this.windows.length) said.push({ text: "The windows of theory are known for 0 < λ < 1 and l ≥ 0." });
     else if (mu < 0) said.push({ text: "Below the graze, μ < 0: the fixed point x = μ/(1 − λ) is never hit." });
-    else if (inside.length) said.push({ text: `Inside ${inside.map(({ N, doubling, collision }) => `Ω${String(N)} (${doubling.toPrecision(6)} < μ${Number.isFinite(collision) ? ` < ${collision.toPrecision(6)}` : ""})`).join(" and ")}${inside.length > 1 ? ": orbits coexist" : ""}.` });
+    else if (inside.length) said.push({ text: `Inside ${inside.map(({ N, doubling, collision }) => `Ω${String(N)} (${told(doubling, span)} < μ${Number.isFinite(collision) ? ` < ${told(collision, span)}` : ""})`).join(" and ")}${inside.length > 1 ? ": orbits coexist" : ""}.` });
     else said.push({ text: "Between windows: no maximal orbit is stable here." });
     return said;
   }

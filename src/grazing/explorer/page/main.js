@@ -141,19 +141,24 @@ function refresh() {
     refresh();
   });
   try {
-    failed = false;
+    fail(false);
     render();
   } catch (error) {
-    failed = true;
+    fail(true);
     problem(`The picture could not be made: ${wordsOf(error)}.`, "picture");
     console.error(error);
     // neither words nor picture of another state
     $("summary").replaceChildren();
-    const [first, ...others] = (current()?.panels() ?? []).map(({ sheet }) => sheet);
-    for (const sheet of others) sheet.begin();
+    const first = current()?.panels()[0]?.sheet;
     first?.say(`No picture: ${wordsOf(error)}.`);
     if (first) first.canvas.dataset.stage = "failed";
   }
+}
+
+/** Whether there is no picture: then no frame stands empty. @param {boolean} now */
+function fail(now) {
+  failed = now;
+  $("main").classList.toggle("failed", now);
 }
 
 function render() {

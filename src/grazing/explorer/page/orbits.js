@@ -98,9 +98,9 @@ function line(each) {
   if (each.period < 1) return { colour, text: `${each.period === -1 ? "no period found (aperiodic as far as seen)" : each.period === 0 ? "undecided" : "orbit that ended"}; ${share}` };
   let text = `period-${each.period} orbit${impactsOf(each)}`;
   if (each.word && !bare(each)) text += `, word ${each.word}`;
-  if (each.multiplier !== undefined) text += `, multiplier ${numeral(each.multiplier, 7)}`;
+  if (each.multiplier !== undefined) text += `, multiplier ${numeral(each.multiplier)}`;
   text += `; ${share}`;
-  return { colour, text, exact: each.period > 6 ? "" : `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map((each) => numeral(each, 7)).join(", ")})` : numeral(point[0], 7))).join(", ")}` };
+  return { colour, text, exact: each.period > 6 ? "" : `; at ${each.points.map((point) => (point.length > 1 ? `(${point.map((each) => numeral(each)).join(", ")})` : numeral(point[0]))).join(", ")}` };
 }
 
 /** Classes in words. @param {Class[]} classes */

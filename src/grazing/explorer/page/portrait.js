@@ -119,19 +119,24 @@ export function portrait(axes, { low, high, orbits, colour, trail, place: [u, v]
   named(axes, c, orbits);
 }
 
-/** The orbits by their names, above the picture. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Orbit[]} orbits */
+/** The orbits by their names, above the picture, each with the starts that settle on it. @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c @param {Orbit[]} orbits */
 function named(axes, c, orbits) {
   c.textAlign = "left";
   c.textBaseline = "middle";
-  let left = axes.box.x;
+  const rest = "of 16 starts", end = axes.box.x + axes.box.w - c.measureText(`… ${rest}`).width;
+  let left = axes.box.x, more = "";
   for (const { name, colour } of orbits) {
-    if (left + 18 + c.measureText(name).width > axes.box.x + axes.box.w) break;
+    const wide = c.measureText(name).width;
+    if (left + 24 + wide > end) {
+      more = "… ";
+      break;
+    }
     c.fillStyle = colour;
     c.fillRect(left, axes.box.y - 14, 11, 11);
     c.fillStyle = theme().ink;
     c.fillText(name, left + 16, axes.box.y - 8);
-    left += 34 + c.measureText(name).width;
+    left += 34 + wide;
   }
   c.fillStyle = theme().faint;
-  if (orbits.length && left - 12 + c.measureText("starts").width < axes.box.x + axes.box.w) c.fillText("starts", left - 12, axes.box.y - 8);
+  if (orbits.length) c.fillText(more + rest, Math.max(axes.box.x, left - 12), axes.box.y - 8);
 }

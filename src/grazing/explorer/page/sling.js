@@ -5,12 +5,12 @@ import { inside } from "./walls.js";
 
 /** What is aimed: where the ball begins, the flight from there, and in the strip where the pointer took it. @typedef {{u: number, v: number, flight: ReturnType<typeof flown>, pen: number | null}} Aim */
 
-/** Periods that are foreseen; pixels from the ball at which a finger takes it; a key aims by this share of the portrait. */
-const AHEAD = 5, GRIP = 48, NUDGE = 0.02;
+/** Periods that are foreseen; pixels from the ball at which a finger takes it, and by which it is pulled at least; a key aims by this share of the portrait. */
+const AHEAD = 5, GRIP = 48, PULL = 6, NUDGE = 0.02;
 
 export class Sling {
   /** @type {Aim | null} */ aim = null;
-  /** Where the pointer took the ball in the strip, and the height there. @type {{y: number, u: number, pen: number} | null} */ #taken = null;
+  /** Where the pointer took the ball in the strip, and the height there. @type {{x: number, y: number, u: number, pen: number} | null} */ #taken = null;
 
   /** @param {import("./ball.js").BallView} view */
   constructor(view) {
@@ -23,7 +23,7 @@ export class Sling {
         canvas.focus({ preventScroll: true });
         this.#drag(event, axes);
       });
-      canvas.addEventListener("pointermove", (event) => this.aim && canvas.hasPointerCapture(event.pointerId) && this.#drag(event, axes));
+      canvas.addEventListener("pointermove", (event) => canvas.hasPointerCapture(event.pointerId) && this.#drag(event, axes));
       canvas.addEventListener("pointerup", (event) => canvas.hasPointerCapture(event.pointerId) && this.let());
       canvas.addEventListener("pointercancel", () => this.#stop());
       canvas.addEventListener("keydown", (event) => this.#key(event));
@@ -66,7 +66,7 @@ export class Sling {
     if (axes === view.axes) return x >= box.x && y >= box.y && y <= box.y + box.h;
     const grips = this.#grips(event, axes);
     if (y > box.y + box.h + GRIP || (event.pointerType === "touch" && !grips)) return false;
-    this.#taken = { y, u: grips ? view.place[0] : inside(view.state, axes.atY(y), view.state.phase), pen: Math.min(Math.max(x, box.x + 0.1 * box.w), box.x + 0.9 * box.w) };
+    this.#taken = { x, y, u: grips ? view.place[0] : inside(view.state, axes.atY(y), view.state.phase), pen: Math.min(Math.max(x, box.x + 0.1 * box.w), box.x + 0.9 * box.w) };
     return true;
   }
 
@@ -74,8 +74,8 @@ export class Sling {
   #drag(event, axes) {
     const [x, y] = axes.place(event), portrait = this.view.axes, taken = this.#taken;
     if (axes === portrait) return this.#at(axes.atX(Math.min(Math.max(x, axes.box.x), axes.box.x + axes.box.w)), axes.atY(Math.min(Math.max(y, axes.box.y), axes.box.y + axes.box.h)), null);
-    // as with a sling, the ball flies the other way than it is pulled
-    if (taken) this.#at(taken.u, ((y - taken.y) / axes.box.h) * (portrait.y1 - portrait.y0), taken.pen);
+    // a click into the strip throws nothing; as with a sling, the ball flies the other way than it is pulled
+    if (taken && (this.aim || Math.hypot(x - taken.x, y - taken.y) > PULL)) this.#at(taken.u, ((y - taken.y) / axes.box.h) * (portrait.y1 - portrait.y0), taken.pen);
   }
 
   /** @param {KeyboardEvent} event */

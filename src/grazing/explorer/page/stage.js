@@ -33,6 +33,8 @@ export function stage(again, key = "p") {
   };
   byId("present").addEventListener("click", () => show(true));
   byId("end").addEventListener("click", () => show(false));
+  // in full screen, Chromium tells the pictures of a page that moves of the wheel only if the whole page listens as well
+  document.addEventListener("wheel", () => {}, { passive: true });
   more?.addEventListener("click", () => all(!classList.contains("all")));
   document.addEventListener("fullscreenchange", () => {
     if (!document.fullscreenElement && !ours) show(false);

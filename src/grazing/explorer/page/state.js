@@ -334,5 +334,8 @@ export function tidy(value, width) {
   return Number(value.toFixed(Math.min(15, Math.max(0, 4 - Math.floor(Math.log10(Math.abs(width) || 1))))));
 }
 
+/** A number in words: six digits, and more where a picture of this width needs them, as in the boxes. @param {number} value @param {Pair} ends of its axis */
+export const told = (value, [low, high]) => numeral(value, Math.min(15, Math.max(6, 5 + Math.floor(Math.log10(Math.abs(value) || 1)) - Math.floor(Math.log10(high - low)))));
+
 /** A number as text, with a true minus. @param {number} value @param {number} digits */
 export const numeral = (value, digits = 6) => Number(value.toPrecision(digits)).toString().replace("-", "−");

@@ -5,7 +5,7 @@ import { rowOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { CHATTER, linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
-import { ORDERS, numeral } from "./state.js";
+import { ORDERS, numeral, told } from "./state.js";
 import { still } from "./walls.js";
 import { drawZeroTime, zeroTime } from "./zdm.js";
 
@@ -198,8 +198,8 @@ export class StrobeView {
     if (!full || !local || !jumps) return [];
     const said = [{ text: `One period of the forcing from u(0) between ${numeral(u[0])} and ${numeral(u[SAMPLES - 1])}, v(0) = ${numeral(state.v0)}.` }];
     for (const { map, at, below, above } of jumps) {
-      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${numeral(at, 10)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: there one is gained or lost, at a graze or across the strobe.`}` });
-      else said.push({ text: `The discontinuity map jumps at u(0) = ${numeral(at, 10)}.` });
+      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${told(at, state.line)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: there one is gained or lost, at a graze or across the strobe.`}` });
+      else said.push({ text: `The discontinuity map jumps at u(0) = ${told(at, state.line)}.` });
     }
     if (!jumps.some(({ map }) => map === "orbits")) said.push({ text: `No graze of the oscillator on this line: ${impacts(full.letters[0])} everywhere.` });
     const differ = Array.from(full.u, (value, i) => Math.abs(value - local.u[i]));

@@ -19,7 +19,7 @@ export const TOUR = [
   },
   {
     title: "The graze",
-    text: "Let d fall to the left end of its slider. A hair beyond, at d = k²a ≈ 0.13096, the lowest point of the swing just touches the wall: the graze. Let it fall by a hair more: the ball touches at almost no speed, and the bumper adds its kick V.",
+    text: "Let d fall to the left end of its slider. A hair below that end, at d = k²a ≈ 0.13096, the lowest point of the swing just touches the wall: the graze. Now think of d below even that by a hair: the ball touches at almost no speed, and the bumper adds its kick V.",
     state: { ...STANDARD, view: "ball", offset: 0.14, reach: [0.131, 0.16] },
     question: {
       ask: "How far does the motion change?",

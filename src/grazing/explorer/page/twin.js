@@ -7,8 +7,8 @@ import { inside } from "./walls.js";
 
 /** @typedef {import("./flight.js").Model} Model */
 
-/** How far apart the balls begin, of the height of the picture; how far balls are that have parted, and turns for which they are then left. */
-const NEAR = 0.012, APART = 0.3, LEFT = 6;
+/** How far apart the balls begin, of the height of the picture: less than a pixel; how far balls are that have parted, and turns for which they are then left. */
+const NEAR = 1e-3, APART = 0.3, LEFT = 6;
 /** The distance at which the rate is measured, of the height of the picture: small, and far above the rounding of a turn. */
 const SMALL = 1e-7;
 /** Turns that are passed over, in which what is near turns into the direction that grows most. */
