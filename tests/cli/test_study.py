@@ -217,7 +217,7 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("trajectory u=0.1 v=0 --map impact", "Unknown option"),
         ("trajectory u=0.1 v=0 -o a.zarr", "allowed are png, pdf, svg, nc, csv"),
         ("trajectory u=-0.1 v=0", "the ball starts inside the wall"),
-        ("cobweb x=0.1", "the stroboscopic map has coordinates u, v; a cobweb needs one with one"),
+        ("cobweb x=0.1", "the stroboscopic map has coordinates u, v; a cobweb needs a map with one, such as gap"),
         ("basins x=0:1:5", "x: unknown coordinate; allowed are u, v"),
         ("graph", "nothing varies; graph varies 1 coordinate of u, v, such as u=0.1:0.2:100"),
         ("graph u=0:0.1:5 v=0:1:5", "2 vary; graph varies 1 coordinate of u, v"),
@@ -232,6 +232,7 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("graph u=-0.1:0.1:5", "the ball starts inside the wall: u = -0.1"),
         ("graph u=0:0.1:5 -o a.zarr", "allowed are png, pdf, svg, nc, csv"),
         ("diagram d=0.05-0.16", "error: d = '0.05-0.16'; give start:stop:count, such as 0.05:0.16:100"),
+        ("diagram d=file.py:name", "error: d = 'file.py:name'; give start:stop:count (evenly spaced), start"),
         ("diagram d=0.05:0.16", "error: d = '0.05:0.16'; give start:stop:count, such as 0.05:0.16:100 for 100 values"),
         ("branch d=0.05..0.16 --word 001", "error: d = '0.05..0.16'; give low:high, here 0.05:0.16"),
         (

@@ -6,6 +6,7 @@ import xarray as xr
 
 import grazing as gz
 from grazing.compare.word_branches import branches, loci_of
+from grazing.orbits.branch import Branch
 
 
 @pytest.mark.parametrize(("alpha", "V", "bounds"), [(3.0, 0.4, (0.08, 0.14)), (2.0, 0.3, (0.15, 0.18))])
@@ -26,6 +27,14 @@ def test_an_orbit_found_at_many_values_is_one_branch():
     many = branches(P, "d", (0.1, 0.13), word="001", at=[0.105, 0.11, 0.115, 0.12], starts=200)
     assert one.piece.values.max() == many.piece.values.max()
     np.testing.assert_allclose(np.sort(one.special_value), np.sort(many.special_value), atol=1e-9)
+
+
+def test_a_branch_is_solved_once_at_a_value_however_many_orbits_are_found_there(monkeypatch):
+    """Each orbit asked each branch again: of hundreds of orbits beside hundreds of branches that took minutes."""
+    asked, at = [], Branch.at
+    monkeypatch.setattr(Branch, "at", lambda self, value: asked.append((id(self), value)) or at(self, value))
+    branches(gz.gap_map(lam=0.8, mu=0.5, l=1.0), "mu", (0.05, 0.9), period=[1, 2, 3], at=[0.3, 0.5], limit=5)
+    assert len(asked) == len({*asked}) > 2
 
 
 def test_every_word_of_a_period_is_followed():

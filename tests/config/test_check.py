@@ -248,7 +248,7 @@ def test_all_errors_come_at_once_with_their_paths():
         ({**GAP, "vary": {"m": "0:1:3"}}, "vary.m: unknown parameter; did you mean 'mu'?"),
         ({"study": "trajectory"}, "settings.state: missing; give initial state"),
         ({"study": "trajectory", "settings": {"state": [0, 0]}, "vary": {"d": [0.1]}}, "a trajectory varies nothing"),
-        ({"study": "cobweb", "settings": {"state": [0, 0]}}, "a cobweb needs one with one: gap"),
+        ({"study": "cobweb", "settings": {"state": [0, 0]}}, "a cobweb needs a map with one, such as gap"),
         ({"study": "basins", "vary": {"x": "0:1:3"}}, "vary.x: unknown coordinate; allowed are u, v"),
         (3, "give a table of keys and values"),
     ],

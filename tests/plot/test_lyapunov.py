@@ -22,6 +22,13 @@ def test_equal_exponents_are_both_seen():
     assert second.get_markersize() > 1.5 * first.get_markersize() and second.get_zorder() < first.get_zorder()
 
 
+def test_starts_without_exponents_are_counted():
+    """Where all orbits ended the axes were empty without a word."""
+    result = results.lyapunov(starts=3)
+    assert plot.lyapunov(result)["note"].get_text() == "1 of 360 starts have none: they ended, or touched the wall"
+    assert plot.lyapunov(results.lyapunov(infinite=False))["note"] is None
+
+
 def test_all_starts_and_indices_are_drawn():
     result = results.lyapunov(starts=3, count=2, infinite=False)
     drawn = plot.lyapunov(result)

@@ -248,6 +248,9 @@ def test_windows_alone_are_drawn_over_the_range_that_they_take():
     low, high = axes.get_xlim()
     assert 2.0 <= low <= far.low.min() and far.high.max() <= high <= 9.0 and set(drawn["bars"]) == {*far.N.values}
     assert axes.get_xlabel() == r"$\omega$" and not axes.get_yticks().size
+    assert "no window" not in [text.get_text() for text in axes.texts]
+    (said,) = plot.windows({1: (2.0, 1.0)})["figure"].axes[0].texts
+    assert said.get_text() == "no window"
     assert plot.windows({1: (70.0, 80.0)})["bars"][1].get_width() == 10.0  # beyond the limits of new axes
 
 

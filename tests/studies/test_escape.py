@@ -122,6 +122,8 @@ def test_where_nothing_or_everything_escapes_it_says_so():
         gz.escape_rate(closed, orbits=100, transient=1, steps=3)
     with pytest.raises(gz.InputError, match="all 200 orbits have ended after 1 step"):
         gz.escape_rate(leaky(slope=1e9, kept=1e-9), orbits=200)
+    with pytest.raises(gz.InputError, match="nothing escapes from an oscillator"):  # said after ten minutes of impacts
+        gz.escape_rate(gz.stroboscopic_map(gz.pinball()))
 
 
 @pytest.mark.parametrize(

@@ -93,13 +93,15 @@ def branches(
     size = np.array([b - a for a, b in P.box])
     for value in values.tolist():
         here = P.replace(**{name: value})
+        known = [one for branch in found for one in branch.at(value)]
         for orbit in periodic_orbits(
             here, period, word=word, virtual=virtual, starts=starts, seed=seed, threads=threads
         ):
-            if not (orbit.admissible or virtual) or _known(found, orbit, value, SAME * size):
+            if not (orbit.admissible or virtual) or _among(known, orbit, SAME * size):
                 continue
             try:
                 found.append(continuation(here, orbit, name, (low, high), step=step, limit=limit))
+                known += found[-1].at(value)
             except GrazingError as error:
                 unfollowed.append(f"{orbit!r} at {name} = {value:g}: {error}")
     if not found:
@@ -123,13 +125,9 @@ def branches(
     return table
 
 
-def _known(found: Sequence[Branch], orbit: Orbit, value: float, tolerance: Any) -> bool:
-    """Whether an orbit lies on a branch that is known."""
-    return any(
-        one.period == orbit.period and same_points(one.points, orbit.points, tolerance)
-        for branch in found
-        for one in branch.at(value)
-    )
+def _among(known: Sequence[Orbit], orbit: Orbit, tolerance: Any) -> bool:
+    """Whether an orbit is among others at the same value."""
+    return any(one.period == orbit.period and same_points(one.points, orbit.points, tolerance) for one in known)
 
 
 def _loci(

@@ -235,8 +235,8 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     if study is not None and study.dimension not in (None, len(coordinates)):
         yield Problem(
             ("map",),
-            f"the {config['map']} map has coordinates {', '.join(coordinates)}; a {study.name} needs one with "
-            f"{'one: gap' if study.dimension == 1 else study.dimension}",
+            f"the {config['map']} map has coordinates {', '.join(coordinates)}; a {study.name} needs a map with "
+            f"{'one, such as gap' if study.dimension == 1 else study.dimension}",
         )
     if study is not None and study.of == "model" and not config.get("table"):
         yield from _in_time(config, study)

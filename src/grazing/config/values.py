@@ -28,6 +28,8 @@ _REAL = r"[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?"
 _ENDS = re.compile(
     rf"[\[(]?\s*({_REAL})(\s*[^\W\d_/]+)?\s*(?:-|–|—|\.\.+|…|;|to|(?<=\s)and|,)\s*({_REAL})(\s*[^\W\d_/]+)?\s*[\])]?"
 )
+#: What begins with a number.
+_BEGINS = re.compile(rf"\s*{_REAL}")
 #: How periods are written, right or wrong; what is written in another way is a file.
 _PERIODS = re.compile(r"[-\d,: ]*")
 RANGE_FORM = "start:stop:count (evenly spaced), start:stop:count:log (evenly in the logarithm) or a list of numbers"
@@ -179,7 +181,7 @@ def checked_form(value: Any, name: str, bounded: bool) -> None:
     ends, said = other_range(value), f"{name} = {shown(value)}"
     if ends and bounded:
         raise InputError(f"{said}; give low:high, here {ends[0]}:{ends[1]}")
-    if ends is None and not bounded and value.count(":") == 1 and all(part.strip() for part in value.split(":")):
+    if ends is None and not bounded and value.count(":") == 1 and all(map(_BEGINS.match, value.split(":"))):
         low, _, high = value.partition(":")
         ends = low.strip(), high.strip()
     if ends:

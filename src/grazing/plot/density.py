@@ -17,7 +17,7 @@ from grazing.plot.expected import choice, expect
 from grazing.plot.norms import norm_of, round_ticks
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import axes_along, edges_of, is_even, name_single, ordered, raster, refined
-from grazing.plot.style import DOUBLE, root, styled, symbol
+from grazing.plot.style import DOUBLE, note, root, styled, symbol
 
 Floats = NDArray[np.float64]
 
@@ -164,13 +164,4 @@ def _note(ax: Axes, outside: float, total: float, result: Any) -> Any:
     ended = int(np.sum(result["ended"].values)) if "ended" in result else 0
     if ended:
         said.append(f"{ended:,} {'start' if ended == 1 else 'starts'} ended")
-    if not said:
-        return None
-    look: dict[str, Any] = {
-        "ha": "right",
-        "va": "bottom",
-        "fontsize": 6.5,
-        "color": "#595959",
-        "textcoords": "offset points",
-    }
-    return ax.annotate("; ".join(said), (1.0, 1.0), (0, 2), xycoords="axes fraction", **look)
+    return note(ax, "; ".join(said))

@@ -14,7 +14,7 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
 from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import axes_along, bands_of, edges_of, name_single, ordered
-from grazing.plot.style import DOUBLE, INK, root, styled, symbol, unit_of
+from grazing.plot.style import DOUBLE, INK, note, root, styled, symbol, unit_of
 
 Floats = NDArray[np.float64]
 
@@ -25,6 +25,8 @@ COLOURS = (INK, "#2f7fb8", "#e69f00", "#86d3b4", "#b9b3e3")
 CHAOS_SHADE = "#f6ddd3"
 #: Height of the row of marks for minus infinity, as a share of the axes.
 ROW = 0.1
+#: Points above the axes at which the legend ends.
+OVER = 14.0
 #: More marks than this are pixels in vector files.
 MANY = 3000
 
@@ -53,7 +55,8 @@ def lyapunov(
     -------
     dict
         ``exponents`` (one line for each index), ``infinite`` (index to the marks of minus infinity, in a row at the
-        bottom), ``zero``, ``chaos`` (list of shaded bands), ``legend`` (or None), ``provenance``, ``figure``.
+        bottom), ``zero``, ``chaos`` (list of shaded bands), ``legend`` and ``note`` (or None), ``provenance``,
+        ``figure``.
 
     Raises
     ------
@@ -82,6 +85,8 @@ def lyapunov(
         which = "Lyapunov exponent" if count == 1 else "Lyapunov exponents"
         unit = unit_of(result[variable])
         ax.set_ylabel(f"{which} per {'step' if per == 'step' else 'unit of time'}{unit}")
+        lost = int(np.isnan(greatest).sum())
+        none = f"{lost:,} of {greatest.size:,} starts have none: they ended, or touched the wall" if lost else ""
         beside = None
         entries = _entries(count, starts, bool(bands), infinite)
         if legend and entries:
@@ -92,6 +97,7 @@ def lyapunov(
                 "columnspacing": 1.4,
             }
             beside = legend_beside(ax, entries, **place)
+        said = note(ax, none, 2.0 if beside is None else OVER)
     return {
         "figure": root(ax),
         "exponents": lines,
@@ -99,6 +105,7 @@ def lyapunov(
         "zero": zero,
         "chaos": bands,
         "legend": beside,
+        "note": said,
         "provenance": provenance_of(result),
     }
 

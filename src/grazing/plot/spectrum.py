@@ -10,7 +10,7 @@ from matplotlib.axes import Axes
 
 from grazing.plot.drawn import inline
 from grazing.plot.expected import choice, expect
-from grazing.plot.style import INK, axes, quantity, root, styled
+from grazing.plot.style import INK, axes, note, quantity, root, styled
 
 #: Decades below the strongest line that are shown.
 DECADES = 6.0
@@ -51,6 +51,7 @@ def spectrum(
         ax = axes(ax)
         x, y = np.asarray(result[over].values), np.asarray(result["amplitude"].values)
         top = float(y[1:].max()) or 1.0
+        note(ax, "" if y[1:].any() else "all amplitudes are 0")
         (lines,) = ax.semilogy(x[1:], np.maximum(y[1:], top * 10.0**-DECADES), color=colour, lw=0.8)
         ax.set_xlim(0.0, last_of(result) * x[-1] if until is None else until)
         ax.set_ylim(top * 10.0**-DECADES, 2.0 * top)

@@ -272,6 +272,14 @@ def save(
     return path
 
 
+def note(ax: Axes, text: str, up: float = 2.0) -> Any:
+    """Say above the right end of axes, by so many points, what is not drawn in them; None for nothing to say."""
+    if not text:
+        return None
+    look: dict[str, Any] = {"ha": "right", "va": "bottom", "fontsize": 6.5, "color": "#595959"}
+    return ax.annotate(text, (1.0, 1.0), (0, up), xycoords="axes fraction", textcoords="offset points", **look)
+
+
 def ink_on(colour: str) -> str:
     """Return black or white, whichever is read better on a colour."""
     red, green, blue = (int(colour[i : i + 2], 16) / 255.0 for i in (1, 3, 5))

@@ -13,7 +13,7 @@ from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blende
 
 from grazing.outcome import InputError
 from grazing.plot.drawn import inline
-from grazing.plot.style import DOUBLE, axes, ink_on, period_colour, root, styled, unit_of
+from grazing.plot.style import DOUBLE, axes, ink_on, note, period_colour, root, styled, unit_of
 
 #: Height of a bar, distance of rows and place of the lowest one, in points above the axes.
 BAR, ROW, FIRST = 9.0, 10.5, 4.0
@@ -102,6 +102,7 @@ def windows(
                     clip_on=False,
                 )
         if of_its_own:
+            note(ax, "" if bars else "no window")
             more = max((place - 1 for place, _left, _right in taken), default=0)
             root(ax).set_figheight(root(ax).get_figheight() + max(more, 0) * ROW / 72.0)
     return {"figure": root(ax), "bars": bars, "bands": bands, "names": texts}

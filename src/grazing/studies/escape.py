@@ -147,6 +147,8 @@ def escape_rate(
     """
     if not isinstance(P, Map):
         raise InputError(f"P is {shown(P)}; give a map of which orbits escape, such as gz.collision_map(table)")
+    if P.origin.rig is not None:
+        raise InputError(f"nothing escapes from an oscillator, and {shown(P)} is one's; give gz.collision_map(table)")
     orbits, populations = whole(orbits, "orbits", 100), whole(populations, "populations", 2)
     transient, steps = whole(transient, "transient", 0), whole(steps, "steps", 1)
     seed, stir = whole(seed, "seed", 0, 2**53), real(stir, "stir", "give a small number > 0, such as 0.02")
