@@ -185,6 +185,18 @@ def real(value: Any, name: str, allowed: str) -> float:
     return number
 
 
+#: How many times the length of a motion a time may be: beyond, less than 20 of its binary digits are left.
+COARSE = 2.0**33
+
+
+def refuse_late(
+    time: float, name: str, latest: float, lost: str = "doubles lie too far apart for this motion; begin nearer to 0"
+) -> None:
+    """Raise InputError for a time so late, or so early, that doubles lie too far apart there."""
+    if abs(time) > latest:
+        raise InputError(f"{name} = {time:g}; allowed is |{name}| <= {latest:g}: beyond, {lost}")
+
+
 def whole(value: Any, name: str, low: int, high: float = LARGEST) -> int:
     """Return an int from low to high, or raise InputError."""
     if type(value) is int and low <= value <= high:

@@ -21,7 +21,7 @@ from grazing.maps.walled_impact import walled_impact_map
 from grazing.oscillator.constants import constants_of
 from grazing.oscillator.frames import alone
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
-from grazing.oscillator.model import checked_model
+from grazing.oscillator.model import checked_model, refuse_phaseless
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
@@ -64,7 +64,8 @@ class Struck(OfOscillator):
         return return_of(*POINTED), constants_of(self.model.harmonics)
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
-        """Raise InputError for a velocity into the wall."""
+        """Raise InputError for a velocity into the wall, or a time without a phase."""
+        refuse_phaseless(self.model, state[0], "tau")
         if state[1] < 0.0:
             raise InputError(
                 f"v_plus = {state[1]:g} points into the wall; give the velocity after an impact, v_plus >= 0"

@@ -202,6 +202,11 @@ class TimedReturned(Returned):
         tau, *x = map(float, state)
         return tau, tuple(x)
 
+    def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
+        """Raise InputError for a start inside a surface, or a time without a phase."""
+        self.system.refuse_late(float(state[0]), "tau", params)
+        super().check(state, params)
+
     def periods(self, rows: Floats) -> Floats:
         """Return the period at each row of parameters."""
         names = list(self.system.params)

@@ -199,6 +199,7 @@ class Strobed(OfSystem):
 def map_of_system(system: System, phase: float) -> Map:
     """Return the stroboscopic map of a system; :func:`grazing.stroboscopic_map` calls this."""
     phase = real(phase, "phase", "allowed is any finite number")
+    system.refuse_late(phase, "phase", system.params)
     T = system.period_at(system.params)
     widths = tuple(high - low for low, high in system.box)
     surfaces = "".join(one.name for one in system.surfaces)

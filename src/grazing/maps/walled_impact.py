@@ -21,6 +21,7 @@ from grazing.oscillator.contact import MAX_SWINGS, next_contact, placed
 from grazing.oscillator.departure import FLIES, LIES, departure_of
 from grazing.oscillator.frames import Frames, first_contact, frame_of, plain_frames
 from grazing.oscillator.legs import MAX_IMPACTS, flown_legs
+from grazing.oscillator.model import refuse_phaseless
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.walled import Walled
 from grazing.outcome import AMBIGUOUS, BAD_LAW, DIVERGED, GRAZE, NO_IMPACT, OK, TOO_MANY_SWINGS, InputError
@@ -125,7 +126,11 @@ class Returned(OfWalls):
         return self._derived(return_of(POINTED, POINTED), np.column_stack([rows, np.zeros(len(rows))]), arithmetic)
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
-        """Raise InputError for a velocity into the only wall; of two walls its sign says which was hit."""
+        """Raise InputError for a velocity into the only wall, or a time without a phase.
+
+        Of two walls the sign of the velocity says which was hit.
+        """
+        refuse_phaseless(self.rig, state[0], "tau")
         (wall, *others), v = self.rig.walls, float(state[1])
         if not others and wall.sign * v < 0.0:
             allowed = "v_plus >= 0" if wall.sign > 0.0 else "v_plus <= 0"

@@ -12,7 +12,7 @@ import numpy as np
 
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import in_order, real, whole
+from grazing.parameter import in_order, real, refuse_late, whole
 
 T = TypeVar("T")
 
@@ -23,7 +23,7 @@ LATEST = 1e15
 #: Frequencies, and products of an amplitude and its frequency, whose squares a double still holds; forces that do not
 #: move the ball by less than doubles hold. Flights are made of the fourth power of a frequency.
 LOWEST, HIGHEST, WEAKEST, STRONGEST = 1e-60, 1e60, 1e-150, 1e150
-TOO_LATE = "beyond, a double has no phase in a period of the forcing; take whole periods off"
+NO_PHASE = "a double has no phase in a period of the forcing; take whole periods off"
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +60,7 @@ class Forcing:
         for name in ("omega", "t0", "offset"):
             object.__setattr__(self, name, describe_parameter(name).check(getattr(self, name)))
         refuse_out_of_range(self.omega)
-        if abs(self.t0) * self.omega > LATEST:
-            raise InputError(f"t0 = {self.t0:g}; allowed is |t0| <= {LATEST / self.omega:g}: {TOO_LATE}")
+        refuse_late(self.t0, "t0", LATEST / self.omega, NO_PHASE)
         if self.cos is None:
             object.__setattr__(self, "cos", () if hasattr(self.sin, "__len__") and len(self.sin) else (1.0,))
         cos, sin = _amplitudes(self.cos, "cos"), _amplitudes(self.sin, "sin")

@@ -10,7 +10,7 @@ from typing import Any
 
 from grazing.oscillator.constants import natural_size
 from grazing.oscillator.deflection import warn_of_gap
-from grazing.oscillator.forcing import HIGHEST, LATEST, TOO_LATE, Forcing, series_said
+from grazing.oscillator.forcing import HIGHEST, LATEST, NO_PHASE, Forcing, series_said
 from grazing.oscillator.parameters import COORDINATES, MASS, describe_parameter, means_model
 from grazing.oscillator.reach import Reach, before_saddle, drive_of, natural, reach_of
 from grazing.oscillator.reset import Reset, active, linear_part, probe, warn_of_gain
@@ -19,7 +19,7 @@ from grazing.oscillator.si import Base, checked_side, si_numbers
 from grazing.oscillator.spring import frequency_of, spring_of
 from grazing.oscillator.wall import NAMES, Wall
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import Parameter, checked_text
+from grazing.parameter import Parameter, checked_text, refuse_late
 
 
 @dataclass(frozen=True, slots=True)
@@ -330,9 +330,13 @@ class Oscillator(Rig):
 def checked_phase(model: Any, phase: Any) -> float:
     """Return the time of a section, or raise InputError, also for one so late that doubles have no phase there."""
     time = describe_parameter("phase").check(phase)
-    if abs(time) * model.forcing.omega > LATEST:
-        raise InputError(f"phase = {time:g}; allowed is |phase| <= {LATEST / model.forcing.omega:g}: {TOO_LATE}")
+    refuse_phaseless(model, time, "phase")
     return time
+
+
+def refuse_phaseless(model: Any, time: float, name: str) -> None:
+    """Raise InputError for a time so late that doubles have no phase in a period of the forcing."""
+    refuse_late(time, name, LATEST / model.forcing.omega, NO_PHASE)
 
 
 def checked_model(model: Any) -> Oscillator:

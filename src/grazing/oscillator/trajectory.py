@@ -25,7 +25,7 @@ from grazing.oscillator.legs import (
     flown,
     flown_legs,
 )  # fmt: skip
-from grazing.oscillator.model import Oscillator, checked_model
+from grazing.oscillator.model import Oscillator, checked_model, refuse_phaseless
 from grazing.oscillator.reach import drive_of
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import frequency_of
@@ -39,7 +39,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import in_order, parameters, real, whole
+from grazing.parameter import COARSE, in_order, parameters, real, refuse_late, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -123,6 +123,13 @@ def trajectory(
     samples = whole(samples, "samples", 2)
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
+    if isinstance(model, Rig):
+        refuse_phaseless(model, start, "start")
+    for name, time in (("start", start), ("until", until)):
+        if isinstance(model, System):
+            model.refuse_late(time, name, model.params, until - start)
+        elif isinstance(model, Follows):
+            refuse_late(time, name, COARSE * (until - start))
     if isinstance(model, Follows):
         return model.trajectory(state, start, until, samples)
     if isinstance(model, System):

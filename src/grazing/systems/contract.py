@@ -24,7 +24,16 @@ from typing import Any
 
 from grazing.copies import ByValue, made_of, packed
 from grazing.outcome import InputError, UserCodeError, listed, shown, told
-from grazing.parameter import checked_box, checked_coordinates, checked_params, parameters, real, updated
+from grazing.parameter import (
+    COARSE,
+    checked_box,
+    checked_coordinates,
+    checked_params,
+    parameters,
+    real,
+    refuse_late,
+    updated,
+)
 
 #: Names that mean something else in the parameters or the results of a system.
 TAKEN = ("t", "phase", "impact", "trust", "wall", "impact_time", "impact_wall", "v_minus", "v_plus")
@@ -247,6 +256,11 @@ class System(ByValue):
             h, dh = _numbers(one.gap, (t, state, p), 2, f"the gap of surface {one.name}", "(h, dh)")
             found[one.name] = h, dh
         return found
+
+    def refuse_late(self, time: float, name: str, params: Mapping[str, float], span: float = math.inf) -> None:
+        """Raise InputError for a time at which doubles lie too far apart for a period, or for a shorter motion."""
+        span = span if self.period is None else min(span, self.period_at(params))
+        refuse_late(time, name, COARSE * span)
 
     def refuse_inside(self, t: float, state: tuple[float, ...], params: Mapping[str, float]) -> None:
         """Raise InputError for a start inside a surface by more than rounding."""
