@@ -174,6 +174,19 @@ def test_saving_and_loading_take_few_copies(tmp_path):
             tracemalloc.stop()
 
 
+def test_the_room_of_texts_is_foreseen(tmp_path, monkeypatch):
+    """Each takes that of the longest: one word of 400 letters made 240 MB of 0.8."""
+    words = np.array(["L"] * 999 + ["L" * 400], object)
+    monkeypatch.setattr("grazing.memory.physical_memory", lambda: 2 * 1000 * 400 * 6 - 1)
+    with pytest.raises(
+        gz.InputError, match=r"the file would take 0\.0024 GB.*'word', whose longest text has 400 letters"
+    ):
+        save(xr.Dataset({"word": ("n", words)}), tmp_path / "a.nc")
+    assert not list(tmp_path.iterdir())
+    monkeypatch.setattr("grazing.memory.physical_memory", lambda: 2 * 1000 * 400 * 6)
+    save(xr.Dataset({"word": ("n", words)}), tmp_path / "a.nc")
+
+
 @pytest.mark.parametrize("error", [MemoryError("no room"), ImportError("no memory for its code")])
 def test_a_file_is_not_blamed_for_a_lack_of_memory(tmp_path, monkeypatch, error):
     """It was "damaged" where the reader itself could not be loaded."""

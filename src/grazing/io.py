@@ -35,6 +35,8 @@ CREATED = "date_created"
 _OF_THE_FILE = {RECORD, CREATED, "coordinates", "dtype", "_Encoding"}
 #: Bytes of one variable beyond which NetCDF 3 cannot address it.
 LARGEST = 2**32 - 4
+#: Bytes of a letter while texts, each as long as the longest, are written: as text, as bytes and in the file.
+LETTER = 6
 #: Variables of a file, and bytes of its record, beyond which it is no result.
 MOST, LONGEST = 10_000, 2**24
 #: Pieces in which a file is read at most: a result has some ten for each variable and attribute.
@@ -223,6 +225,7 @@ def _encoded(result: xr.Dataset) -> xr.Dataset:
     if len(names) > MOST:
         raise InputError(f"the result has {len(names)} variables; a file holds at most {MOST}: save parts")
     variables: dict[Hashable, Any] = {}
+    room = 0
     for name in names:
         if not isinstance(name, str):
             raise InputError(f"variable {name!r} has no text for a name; rename it")
@@ -236,6 +239,9 @@ def _encoded(result: xr.Dataset) -> xr.Dataset:
         if data.dtype.kind == "c":
             dims, data = (*dims, PARTS), np.stack([data.real, data.imag], axis=-1)
         elif data.dtype.kind == "O" and all(isinstance(item, str) for item in data.flat):
+            longest = max(map(len, data.flat), default=0)
+            room += LETTER * longest * data.size
+            refuse_too_large(room, f"save parts of {name!r}, whose longest text has {longest} letters", "the file")
             data = data.astype(np.str_)
         if data.dtype.kind != "U":
             data = _fitting(data, f"variable {name!r}")

@@ -25,8 +25,9 @@ OF_A_RIG = {
 }
 #: Most forcing periods between impacts that windows and boundary curves are computed for.
 MANY_PERIODS = 1000
-#: Angles beyond which a double is too coarse for a phase.
-LATEST = 1e15
+#: Times, in periods, beyond which a double is too coarse for a phase; in times of what is flown on one clock throughout,
+#: beyond which less than 20 binary digits of it are left.
+LATEST, COARSE = 1e15 / (2.0 * math.pi), 2.0**33
 #: What a kernel can count to.
 LARGEST = 2**63 - 1
 #: What the names of types of named parameters begin with; no other name does.
@@ -187,13 +188,14 @@ def real(value: Any, name: str, allowed: str) -> float:
     return number
 
 
-def refuse_late(time: float, name: str, period: float) -> None:
+def refuse_late(time: float, name: str, period: float, most: float = LATEST) -> None:
     """Raise InputError for a time so far from 0 that a double has no phase in a period, or in all that is followed."""
-    latest = LATEST * period / (2.0 * math.pi)
+    latest = most * period
     if abs(time) > latest:
+        advice = "take whole periods off" if most == LATEST else "begin nearer to 0"
         raise InputError(
             f"{name} = {time:g}; allowed is |{name}| <= {latest:g}: beyond, doubles are too coarse for what happens "
-            f"within {period:g}; take whole periods off"
+            f"within {period:g}; {advice}"
         )
 
 

@@ -128,6 +128,15 @@ def test_what_is_proven_is_saved_and_verified(folder, capsys):
     assert "there is no file no.json" in said(capsys, 2, "orbit", "check", "no.json")
 
 
+def test_a_file_that_cannot_be_read_is_wrong_input_and_no_failed_proof(folder, capsys, monkeypatch):
+    def refused(*_given):
+        raise PermissionError(13, "Permission denied")
+
+    (folder / "theirs.json").write_text("{}")
+    monkeypatch.setattr("grazing.paths._at_once", refused)
+    assert "theirs.json cannot be read: Permission denied" in said(capsys, 2, "orbit", "check", "theirs.json")
+
+
 def test_several_certificates_get_names_of_their_own(folder, capsys):
     tokens = ["orbit", "--period", "2:3", "mu=0.5", *GAP, "--virtual"]
     found = told(capsys, *tokens, "--save", "proofs")

@@ -8,6 +8,7 @@ import pytest
 import grazing as gz
 from tests.models import MODELS, model_of
 from tests.reference import PROBLEMS, advance
+from tests.systems.balls import bouncing
 
 
 def hopping(g=1.0, r=0.5, V=0.0, omega=0.05):
@@ -15,6 +16,34 @@ def hopping(g=1.0, r=0.5, V=0.0, omega=0.05):
     return gz.Oscillator(
         alpha=0.0, k=0.0, forcing=gz.Forcing(omega=omega, offset=-g, cos=(0.0,)), reset=gz.active(r, V)
     )
+
+
+ONE = gz.pinball(d=0.12, V=0.4)
+TWO = gz.Oscillator(
+    0.2, 1.1, gz.Forcing(omega=1.7), walls=[gz.wall(-0.3, gz.newton(0.8)), gz.wall(0.3, gz.newton(0.8))]
+)
+TABLE = gz.table([gz.segment("floor", (0, 0), (6, 0), gz.newton(0.9))], rho=0.1, tilt=0.3)
+SYSTEM = bouncing()
+
+
+@pytest.mark.parametrize(
+    ("name", "run"),
+    [
+        ("start", lambda t: gz.trajectory(ONE, (0.1, 0.0), start=t, until=t + 64.0)),
+        ("start", lambda t: gz.trajectory(TWO, (0.1, 0.0), start=t, until=t + 64.0)),
+        ("start", lambda t: gz.trajectory(TABLE, (1.0, 2.0, 1.5, 0.0), start=t, until=t + 64.0)),
+        ("start", lambda t: gz.trajectory(SYSTEM, (0.5, 0.1), start=t, until=t + 64.0)),
+        ("phase", lambda t: gz.stroboscopic_map(SYSTEM, phase=t)),
+        ("tau", lambda t: gz.impact_map(ONE)((t, 0.5))),
+        ("tau", lambda t: gz.impact_map(TWO)((t, 0.5))),
+        ("tau", lambda t: gz.impact_map(SYSTEM).orbit((t, 0.0, 0.5), 2)),
+    ],
+)
+@pytest.mark.parametrize("late", [1e17, -1e17])
+def test_a_time_at_which_doubles_lie_too_far_apart_is_refused(name, run, late):
+    """Such trajectories were *certified*, and such phases were taken for 0."""
+    with pytest.raises(gz.InputError, match=rf"^{name} = \S+; allowed is \|{name}\| <= "):
+        run(late)
 
 
 def test_bouncing_ball():

@@ -13,6 +13,7 @@ from cyclopts import App, Parameter
 from grazing.cli import output
 from grazing.cli.study import __getattr__ as command_of
 from grazing.outcome import InputError, printable
+from grazing.paths import opened
 
 DONE, FAILED = 0, 1
 
@@ -45,6 +46,8 @@ def check(
     for file in files:
         if not os.path.isfile(file):
             raise InputError(f"there is no file {file}; give a certificate, which 'grazing orbit --save' writes")
+        with opened(file):  # what cannot be read is no certificate that fails
+            pass
     own = None
     if model is not None:
         from grazing.config.maps import own_model

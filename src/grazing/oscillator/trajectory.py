@@ -39,7 +39,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import in_order, parameters, real, refuse_late, whole
+from grazing.parameter import COARSE, in_order, parameters, real, refuse_late, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -123,8 +123,13 @@ def trajectory(
     samples = whole(samples, "samples", 2)
     if not until > start:
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
-    within = model.period if isinstance(model, Rig) else model.span if isinstance(model, System) else until - start
-    refuse_late(start, "start", within)
+    if isinstance(model, Rig):
+        refuse_late(start, "start", model.period)
+    else:  # on one clock throughout
+        periodic = isinstance(model, System) and model.period is not None
+        within = min(until - start, model.span) if periodic else until - start
+        for name, time in (("start", start), ("until", until)):
+            refuse_late(time, name, within, COARSE)
     if isinstance(model, Follows):
         return model.trajectory(state, start, until, samples)
     if isinstance(model, System):
