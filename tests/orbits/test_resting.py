@@ -90,6 +90,17 @@ def test_an_orbit_that_is_released_elsewhere_is_refused():
         continuation(orbit.map, moved, "d", (-0.5, 0.0))
 
 
+def test_a_ball_that_lies_on_a_moving_wall_is_not_followed():
+    """Border collisions were found where it began, and a wall that moves less had the ball inside."""
+    force = gz.Forcing(omega=1.3, offset=-1.5, cos=(0.2,))
+    wall = gz.wall(-0.5, gz.newton(0.6), motion=gz.Forcing(omega=1.3, cos=(0.03,), sin=(0.04,)))
+    P = gz.stroboscopic_map(gz.Oscillator(alpha=0.3, k=0.5, forcing=force, walls=[wall]))
+    (orbit,) = gz.periodic_orbits(P, word="S", starts=2)
+    for name in ("A.cos1", "A.sin1", "omega"):
+        with pytest.raises(gz.InputError, match="rests on a wall when its map looks at it"):
+            continuation(P, orbit, name, (0.5 * P.params[name], 1.5 * P.params[name]))
+
+
 # ---- between walls
 
 

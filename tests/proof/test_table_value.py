@@ -100,6 +100,9 @@ def test_what_is_no_bifurcation_is_not_proven():
     (orbit,) = found(in_a_row(1.05), "AC")
     proof = gz.enclose(orbit, "gr", "B.y")
     assert not proof.proven and "1 and 2 touch at once, as on an orbit that comes back the way it went" in proof.reason
+    post = gz.disc("post", (0.52, -0.9), 0.5, gz.newton(0.5))  # beside the way up and down
+    (upright,) = found(gz.table([*bowl(r=0.8).objects, post], tilt=0.5 * pi), "(bowl)")
+    assert "the flight after impact 1 touches twice at once" in gz.enclose(upright, "gr", "post.x").reason
     alone = found(active_discs(3.0), "AB")[0]
     for kind in ("pd", "lp", "gr"):
         assert not gz.enclose(alone, kind, "C.V").proven

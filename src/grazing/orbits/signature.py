@@ -32,6 +32,9 @@ from grazing.outcome import CHATTER, STUCK, InputError
 
 Floats = NDArray[np.float64]
 
+#: A ball that is so near to a wall, in sizes of the map's box, and as fast to that part of a speed, lies on it.
+LYING = 1e-12
+
 
 def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tuple[Equations, Floats]:
     """Return the equations that an orbit solves in these parameters, and its unknowns.
@@ -90,12 +93,28 @@ def of_points(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equatio
 
 def _rested(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:
     """Return the equations of an orbit that rests between walls: those of its releases, or as its map has it."""
+    P = orbit.map
     try:
-        if orbit.map.params.get("phase") == 0.0:
-            return resting_equations(orbit.map, names, orbit.points, spans), np.zeros(1)
+        if P.params.get("phase") == 0.0:
+            return resting_equations(P, names, orbit.points, spans), np.zeros(1)
     except InputError:  # it lies throughout, or is released elsewhere
         pass
+    if _lies(orbit):
+        raise InputError(
+            "the orbit rests on a wall when its map looks at it, at the edge of what that is a map of: it cannot be "
+            "followed; take another phase if it is released at one, or scan the parameter with gz.orbit_diagram"
+        )
     return mapped(orbit, names, spans)
+
+
+def _lies(orbit: Orbit) -> bool:
+    """Whether the ball is on a wall and as fast at a point of an orbit: on one side of that state there is no other."""
+    P, model = orbit.map, model_of(orbit.map)
+    assert model is not None
+    size = np.array([high - low for low, high in P.box])
+    walls = [on_wall(model, j, P.params["phase"]) for j in range(len(model.walls))]
+    apart = np.abs(orbit.points[:, None] - np.array(walls)[None])
+    return bool((apart < LYING * size).all(axis=2).any())
 
 
 def mapped(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:

@@ -32,8 +32,8 @@ from grazing_checker.reading import Rejected
 from grazing_checker.table import BITS, NUMBERS, Dip, Table
 
 Point = list[arb]
-#: So near, in sizes of the orbit, is a touch.
-TOUCH = 1e-12
+#: So near, in sizes of the orbit, is a touch; and so far from it, as part of its time in the flight, another one.
+TOUCH, AGAIN = 1e-12, 1e-6
 #: The stretch of a dip is halved so often, beginning with a quarter of its flight.
 HALVINGS = 60
 
@@ -281,14 +281,18 @@ def _proof(
 
 
 def _one_touch(equations: TableEquations, search: TableSearch, x: Point) -> None:
-    """Raise NotProven where another flight touches an object as well: on an orbit that comes back as it went."""
+    """Raise NotProven where an object is touched at another time as well: on an orbit that comes back as it went."""
     found = search.low
-    lows = lows_of(equations.problem.legs(x), x[: equations.size]) if found is not None else ()
-    for low in lows:
-        if found is not None and low[:3] != found[:3] and abs(low.distance) < TOUCH * equations.length:
-            both = " and ".join(str(i + 1) for i in sorted((found.flight, low.flight)))
+    if found is None:
+        return
+    for low in lows_of(equations.problem.legs(x), x[: equations.size]):
+        again = low[:3] != found[:3] or abs(float(low.time - found.time)) > AGAIN * float(found.time)
+        if again and abs(low.distance) < TOUCH * equations.length:
+            first, last = sorted((found.flight + 1, low.flight + 1))
+            both = f"flights after impacts {first} and {last} touch"
+            once = f"flight after impact {first} touches twice"
             raise NotProven(
-                f"the flights after impacts {both} touch at once, as on an orbit that comes back the way it went; one "
+                f"the {both if first != last else once} at once, as on an orbit that comes back the way it went; one "
                 "touch alone is proven"
             )
 
