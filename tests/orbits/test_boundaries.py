@@ -9,13 +9,11 @@ from grazing.orbits.boundaries import boundaries
 from grazing.outcome import InputError, OutsideForm
 
 GAP = {"lam": 0.9, "mu": 0.1, "l": 0.2}
+#: Each pair in one order: in the other the curves are the same, see below.
 PLANES = {
-    "l and mu": (("l", 0.0, 1.0), ("mu", 0.0, 0.4)),
     "mu and l": (("mu", 0.0, 0.4), ("l", 0.0, 1.0)),
     "lam and mu": (("lam", 0.05, 0.95), ("mu", 0.0, 0.4)),
-    "mu and lam": (("mu", 0.0, 0.4), ("lam", 0.0, 1.0)),
     "l and lam": (("l", 0.0, 1.0), ("lam", 0.0, 1.0)),
-    "lam and l": (("lam", 0.0, 1.0), ("l", 0.0, 1.0)),
     "a thin slice": (("lam", 0.0, 1.0), ("mu", 0.1, 0.1 + 1e-5)),
 }
 
@@ -80,7 +78,7 @@ def test_points_of_an_oscillator_are_edges_of_its_windows(pinball):
     for curve in range(pinball.sizes["curve"]):
         d, V = points_of(pinball, curve, "d", "V")
         assert len(d) > 4
-        for at in range(0, len(d), 3):
+        for at in range(0, len(d), 6):
             table = gz.windows(gz.pinball(V=V[at]), "d", N=int(pinball.N[curve]), span=(0.0, 0.14))
             edges = [
                 float(table[side][w])

@@ -105,7 +105,7 @@ def test_admissible_orbits_are_those_of_the_map_and_their_multipliers(kind):
         np.testing.assert_allclose(np.poly(J), np.poly(orbit.multipliers).real, rtol=1e-6, atol=1e-6)
 
 
-@pytest.mark.parametrize("kind", MIXED)
+@pytest.mark.parametrize("kind", ["still", "moves"])  # laws know no phase
 def test_another_phase_sees_the_same_orbits(kind):
     m = mixed(kind)
     here, there = (gz.periodic_orbits(gz.stroboscopic_map(m, phase), [1, 2], starts=100) for phase in (0.0, 0.7))

@@ -436,7 +436,7 @@ def test_the_condition_is_how_far_an_orbit_moves_per_unit_of_error(saddle):
     for point in saddle.points:
         J = P.jacobian(point) @ J
     moved = []
-    for angle in np.linspace(0.0, np.pi, 181):
+    for angle in np.linspace(0.0, np.pi, 61):  # the worst lies within 1.5 degrees of one: off by 4e-4
         push = 1e-9 * np.array([np.cos(angle), np.sin(angle)])
         y = x + np.linalg.solve(np.eye(2) - J, push)
         for _ in range(3):  # Newton on P^p(y) + push = y

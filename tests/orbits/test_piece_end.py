@@ -149,9 +149,12 @@ def nordmark_unnamed(state, p):
 
 
 @pytest.mark.parametrize(
-    "tau, det, g, jump", [(0.5, 0.1, 1.0, 0.0), (0.5, 0.1, -0.6, 0.0), (0.4, 0.05, -1.0, 0.1), (-0.5, 0.3, 0.8, -0.3)]
-)
-@pytest.mark.parametrize("named", [True, False])
+    "tau, det, g, jump, named",
+    [
+        (0.5, 0.1, 1.0, 0.0, True), (0.5, 0.1, 1.0, 0.0, False), (0.5, 0.1, -0.6, 0.0, True),
+        (0.4, 0.05, -1.0, 0.1, True), (0.4, 0.05, -1.0, 0.1, False), (-0.5, 0.3, 0.8, -0.3, True),
+    ],
+)  # fmt: skip
 def test_next_to_a_graze_of_a_square_root_map(tau, det, g, jump, named):
     """With s = sqrt(x) the fixed point has mu = k s^2 + g s + jump, k = 1 - tau + det; pd and lp are zeros in g/s."""
     params = {"tau": tau, "det": det, "mu": 0.3, "g": g, "jump": jump}

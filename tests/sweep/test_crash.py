@@ -101,7 +101,7 @@ def run_with_fsync(store):
     sweep.run(plan(), store, chunk=CHUNK, threads=1, fsync=True)
 
 
-@pytest.mark.parametrize(("begin", "action", "step"), [(nothing, run, 7), (three_missing, run, 3)])
+@pytest.mark.parametrize(("begin", "action", "step"), [(nothing, run, 11), (three_missing, run, 5)])
 def test_the_end_at_some_calls(monkeypatch, right, tmp_path, begin, action, step):
     assert end_everywhere(monkeypatch, right, tmp_path, begin, action, step) > 40
 

@@ -161,7 +161,7 @@ def swapped_at(call, store, key, action):
 
 @pytest.mark.skipif(os.open not in os.supports_dir_fd, reason="needs open folders")
 @pytest.mark.parametrize("action", ACTIONS)
-@pytest.mark.parametrize("every", [61, pytest.param(2, marks=pytest.mark.long)])
+@pytest.mark.parametrize("every", [97, pytest.param(2, marks=pytest.mark.long)])
 def test_a_folder_that_becomes_a_link_before_any_call_leads_nowhere(store, tmp_path, action, every):
     """Whenever it happens: nothing of theirs is touched, and there is no other error than a sentence."""
     for inner in ("locks", "chunks"):
