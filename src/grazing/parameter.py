@@ -25,8 +25,8 @@ OF_A_RIG = {
 }
 #: Most forcing periods between impacts that windows and boundary curves are computed for.
 MANY_PERIODS = 1000
-#: Times, in periods, beyond which a double is too coarse for a phase; in times of what is flown on one clock throughout,
-#: beyond which less than 20 binary digits of it are left.
+#: Times beyond which a double is too coarse: in periods, for a phase; in lengths of a motion that is flown on one clock
+#: throughout, of which less than 20 binary digits are left.
 LATEST, COARSE = 1e15 / (2.0 * math.pi), 2.0**33
 #: What a kernel can count to.
 LARGEST = 2**63 - 1
