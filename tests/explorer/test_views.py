@@ -445,6 +445,12 @@ def test_a_state_of_the_basins_is_thrown(shown, address):
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.3 * box["height"])
     shown.until("() => location.hash.includes('ball=')")
     assert "the ball reaches: period" in shown.page.inner_text("#summary")
+    lines = shown.page.evaluate("() => explorer.views.chart.summary()")  # before a room, without what is exact
+    assert (
+        sum("a point of it" in line.get("exact", "") for line in lines)
+        == 2
+        == sum("%" in each["text"] for each in lines)
+    )
     before = state(shown, "ball")
     shown.page.keyboard.press("ArrowUp")
     shown.until(f"() => explorer.state().ball[1] > {before[1]}")

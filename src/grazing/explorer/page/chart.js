@@ -335,10 +335,10 @@ export class ChartView {
   #inWords(state) {
     const all = this.attractors();
     const cells = all.reduce((total, each) => total + each.cells, 0);
-    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: "Initial states (u, v) at the strobe, by the attractor that they reach:" }]);
+    const said = /** @type {import("./state.js").Line[]} */ ([{ text: "Initial states (u, v) at the strobe, by the attractor that they reach:" }]);
     for (const each of all.slice(0, 12)) {
       const place = each.point.length ? `; a point of it: (${each.point.map((each) => numeral(each)).join(", ")})` : "";
-      said.push({ colour: each.colour, text: `${name(each)}: ${percent(each.cells / cells)} of the picture${place}` });
+      said.push({ colour: each.colour, text: `${name(each)}: ${percent(each.cells / cells)} of the picture`, exact: place });
     }
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     if (state.ball) {
