@@ -688,6 +688,10 @@ def test_numbers_in_words_have_the_digits_that_the_picture_needs(shown, address)
     assert "at the graze d = 0.130962:" in said
     shown.page.evaluate("() => { location.hash = explorer.link() + '&offset=0.131&reach=0.1309:0.1311'; }")
     shown.until("() => document.getElementById('summary').innerText.includes('at the graze d = 0.13096187:')")
+    shown.page.evaluate("() => { location.hash = explorer.link() + '&reach=0.104806:0.140806'; }")
+    cut = "e => e.some(each => each.scrollWidth > each.clientWidth)"
+    shown.until("() => document.querySelector('[aria-label=\"d from\"]').value === '0.104806'")
+    assert not shown.page.eval_on_selector_all(".pair input", cut)
 
 
 def test_subscripts_are_set_as_such(shown, address):
