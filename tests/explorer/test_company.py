@@ -25,6 +25,7 @@ WRITTEN = f"""() => {{
   const {{ context: pen }} = {BALL}.axes, write = pen.fillText, seen = [];
   pen.fillText = (text) => seen.push(text);
   {BALL}.draw();
+  {BALL}.diagram.draw();
   pen.fillText = write;
   return seen;
 }}"""
@@ -198,6 +199,7 @@ def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(sh
     middle = np.argmin(np.abs(values - 0.1225))
     assert (period(up[middle]), period(down[middle])) == (3, 4)
     said = re.search(r"different orbits for ([\d.]+) ≤ d ≤ ([\d.]+): hysteresis", shown.page.inner_text("#summary"))
+    assert "shaded: hysteresis" in shown.page.evaluate(WRITTEN.replace("axes", "diagram.axes", 1))
     low, high = map(float, said.groups())
     apart = [v for v, a, b in zip(values, up, down, strict=True) if {period(a), period(b)} == {3, 4}]
     assert math.isclose(low, min(apart), rel_tol=1e-3) and math.isclose(high, max(apart), rel_tol=1e-3)

@@ -445,6 +445,12 @@ def test_a_state_of_the_basins_is_thrown(shown, address):
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.3 * box["height"])
     shown.until("() => location.hash.includes('ball=')")
     assert "the ball reaches: period" in shown.page.inner_text("#summary")
+    lines = shown.page.evaluate("() => explorer.views.chart.summary()")  # before a room, without what is exact
+    assert (
+        sum("a point of it" in line.get("exact", "") for line in lines)
+        == 2
+        == sum("%" in each["text"] for each in lines)
+    )
     before = state(shown, "ball")
     shown.page.keyboard.press("ArrowUp")
     shown.until(f"() => explorer.state().ball[1] > {before[1]}")
@@ -682,6 +688,10 @@ def test_numbers_in_words_have_the_digits_that_the_picture_needs(shown, address)
     assert "at the graze d = 0.130962:" in said
     shown.page.evaluate("() => { location.hash = explorer.link() + '&offset=0.131&reach=0.1309:0.1311'; }")
     shown.until("() => document.getElementById('summary').innerText.includes('at the graze d = 0.13096187:')")
+    shown.page.evaluate("() => { location.hash = explorer.link() + '&reach=0.104806:0.140806'; }")
+    cut = "e => e.some(each => each.scrollWidth > each.clientWidth)"
+    shown.until("() => document.querySelector('[aria-label=\"d from\"]').value === '0.104806'")
+    assert not shown.page.eval_on_selector_all(".pair input", cut)
 
 
 def test_subscripts_are_set_as_such(shown, address):

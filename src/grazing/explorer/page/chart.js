@@ -349,10 +349,10 @@ export class ChartView {
     const plan = /** @type {Plan} */ (this.plan);
     const all = this.attractors();
     const cells = all.reduce((total, each) => total + each.cells, 0);
-    const said = /** @type {{colour?: string, text: string}[]} */ ([{ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach:` }]);
+    const said = /** @type {import("./state.js").Line[]} */ ([{ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach:` }]);
     for (const each of all.slice(0, 12)) {
       const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
-      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture${place}` });
+      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture`, exact: place });
     }
     if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     if (plan.name === "map") {

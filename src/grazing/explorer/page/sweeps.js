@@ -1,11 +1,14 @@
 // @ts-check
 /** Balls that are carried up and down a parameter, over the diagram: where they stay on different orbits, hysteresis. */
-import { theme } from "./colours.js";
+import { faded, theme } from "./colours.js";
 import { linspace } from "./jobs.js";
 
 /** Values of the parameter; turns that are passed over and kept at each. */
 export const SWEEP = { values: 300, transient: 120, keep: 16 };
 const KEPT = SWEEP.keep;
+
+/** How dark it is where the two ways differ, of ink. */
+const SHADE = 0.13;
 
 /** Positions nearer than this share of all that were taken are the same. */
 const SAME = 3e-4;
@@ -50,6 +53,8 @@ export class Sweeps {
     c.fillStyle = shown.paper;
     c.fillRect(box.x, box.y, box.w, box.h);
     c.globalAlpha = 1;
+    c.fillStyle = faded(shown.ink, SHADE);
+    for (const [from, to] of this.differ()) c.fillRect(axes.x(from) - 1, box.y, axes.x(to) - axes.x(from) + 2, box.h);
     for (const [way, colour, size] of /** @type {["up" | "down", string, number][]} */ ([["up", shown.accent, 5], ["down", shown.graze, 2.5]])) {
       c.fillStyle = colour;
       this.found?.values.forEach((value, q) => {
@@ -83,7 +88,7 @@ export class Sweeps {
     c.textAlign = "right";
     c.textBaseline = "middle";
     let right = axes.box.x + axes.box.w;
-    for (const [text, colour] of /** @type {[string, string][]} */ ([["down ←", shown.graze], ["up →", shown.accent]])) {
+    for (const [text, colour] of /** @type {[string, string][]} */ ([["down ←", shown.graze], ["up →", shown.accent], [this.differ().length ? "shaded: hysteresis" : "", shown.ink]])) {
       c.fillStyle = colour;
       c.fillText(text, right, axes.box.y - 9);
       right -= c.measureText(text).width + 14;
