@@ -322,7 +322,7 @@ def test_a_cobweb_is_stepped_from_a_start_that_is_dragged(shown, address):
     shown.page.keyboard.press("s")
     shown.page.keyboard.press("Backspace")
     shown.until("() => explorer.state().web === 6")
-    walked = shown.page.evaluate("async () => (await import('./cobweb.js')).walk(explorer.state())")
+    walked = shown.page.evaluate("() => explorer.views.gap.web().walk.map(([x]) => x)")
     np.testing.assert_allclose(walked, follow(0.8, 0.5, 1, x0, 6), atol=1e-12)
     word = "".join("L" if x < 0 else "R" for x in walked[:-1])
     assert f": {word}, now x =" in shown.page.inner_text("#summary")

@@ -194,7 +194,7 @@ def module_of(text: Named, found: Brought, copied: bool, say: Callable[[str], No
     parts = [*(digest(entry.kernel) for entry in found.module.entries), shipped()["exporter"], tools]
     home, read = folders()
     kept = KernelFiles(home, f"module-{hashlib.sha256(repr(parts).encode()).hexdigest()[:40]}", read)
-    made = kept.load(tools)
+    made: tuple[bytes | None, str] | None = kept.load(tools)
     if made is None:
         say(f"compiling {found.who} for the browser, about a minute")
         made = compiled_apart(text)

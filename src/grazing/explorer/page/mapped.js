@@ -16,6 +16,8 @@ import { numeral } from "./state.js";
 
 /** Places at which a graph is computed at first, halvings of those between which it jumps, and a jump as a share of the picture. */
 const PLACES = 400, HALVINGS = 16, JUMP = 0.01, MOST = 4000;
+/** A share of the box in which orbits would be small. */
+const SMALL = 0.25;
 
 /** The work for a diagram of a map. @param {State} state @returns {import("./flow.js").Work} */
 const workOf = ({ starts, transient, keep }) => ({
@@ -97,12 +99,13 @@ export class MapView extends Beside {
     this.cobweb.draw();
   }
 
-  /** The cobweb or the plane, on the box of the map and where orbits are beyond it. @returns {import("./cobweb.js").Web} */
+  /** The cobweb or the plane, on the box of the map and where orbits are beyond it; where they fill little of it, on that. @returns {import("./cobweb.js").Web} */
   web() {
     const { machine, flat, state } = this, { coordinates } = machine.described, box = BROUGHT.model?.state ?? state, row = this.#row;
     const ends = [box.positions, box.velocities].slice(0, flat ? 2 : 1).map((home, i) => {
       const seen = this.classes.flatMap(({ points }) => points.map((point) => point[i])).filter(Number.isFinite);
-      const low = Math.min(home[0], ...seen), high = Math.max(home[1], ...seen), room = 0.04 * (high - low);
+      const own = [...seen, [state.x0, state.y0][i], [box.x0, box.y0][i]], tiny = seen.length && Math.max(...own) - Math.min(...own) < SMALL * (home[1] - home[0]);
+      const low = Math.min(...own, tiny ? Infinity : home[0]), high = Math.max(...own, tiny ? -Infinity : home[1]), room = (tiny ? 0.2 : 0.04) * (high - low || SMALL * (home[1] - home[0]));
       return /** @type {import("./state.js").Pair} */ ([low - room, high + room]);
     });
     const drawn = JSON.stringify([Array.from(row), ends]);
