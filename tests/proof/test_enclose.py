@@ -130,6 +130,13 @@ def test_the_bifurcation_of_another_branch_is_not_that_of_the_orbit(alpha, r, d,
     assert not certificate.proven and "nearer to it" in certificate.reason
 
 
+def test_real_multipliers_whose_product_is_1_are_no_pair_on_the_unit_circle():
+    model = gz.pinball(alpha=0.05, k=1, omega=1.1, d=0.12, r=0.9, V=0.4)
+    (orbit,) = (one for one in gz.one_impact_orbits(model, 1) if one.admissible and one.multipliers[0].real < -1.5)
+    proof = enclose(orbit, "ns", "V")
+    assert not proof.proven and "two real multipliers have the product 1 there, a neutral saddle" in proof.reason
+
+
 def test_a_bifurcation_of_a_virtual_orbit_is_refused():
     (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
     certificate = enclose(orbit, "lp", "sigma")

@@ -8,6 +8,7 @@ import grazing as gz
 from grazing.proof.check import check_certificate
 from grazing.proof.enclose import enclose
 from tests.grazing_checker.documents import found_in, inverted, rattle, vibrating_table, walled_orbits
+from tests.proof.orbits import closed
 
 
 def enclosed(orbit, kind, name):
@@ -46,6 +47,36 @@ def test_a_parameter_of_a_law_is_called_by_the_wall():
     assert 'a value of p.r of the wall "A" in [' in certificate.statement
     with mp.workdps(40):
         assert flip_of(low) >= mpf(1.4) >= flip_of(high)
+
+
+def dropping(omega, times, incoming):
+    """A ball over a vibrating wall, with an orbit of two periods."""
+    wall = gz.wall(
+        0.0, gz.newton(0.6520179756892707),
+        motion=gz.Forcing(omega, cos=(0.17093294575310342,), sin=(0.7994009568833862,)),
+    )  # fmt: skip
+    model = gz.Oscillator(0.0, 0.0, gz.Forcing(omega, offset=-1.0, cos=()), walls=[wall])
+    v = -np.array(incoming)
+    return closed(model, 2, np.array(times), -0.6520179756892707 * v, v)[0]
+
+
+def test_a_dip_just_after_a_slow_impact_is_seen():
+    """Within one step of its flight, which rises at both ends."""
+    orbit = dropping(
+        1.518675456005691,
+        [3.41852344, 3.67036938, 3.86993586, 4.03676161, 4.18988588, 7.28712902, 9.24180116, 10.8577435, 11.356835],
+        [0.44124391, 0.26443363, 0.15458258, 0.08756182, 0.04608692, 2.22306394, 0.02509707, 1.05533987, 0.71134909],
+    )
+    certificate, low, high = enclosed(orbit, "gr", "omega")
+    assert certificate.document["data"]["dip"]["flight"] == 5
+    assert float(low) < 1.518675456005691 < float(high)  # where the branch has it
+
+
+def test_of_several_dips_that_which_touches_is_meant():
+    """At a graze of a virtual orbit, another dip is in the wall: its own graze, one per cent away, is not that one."""
+    times, incoming = [3.6420548, 7.00926961, 10.57796562, 11.15136871], [0.46525412, 2.19767952, 1.3134314, 0.841821]
+    proof = enclose(dropping(1.5787433333994432, times, incoming), "gr", "omega")
+    assert not proof.proven and "the orbit is virtual" in proof.reason
 
 
 def test_a_free_response_grazes_a_moving_wall_where_the_distance_says():

@@ -103,6 +103,8 @@ def test_what_is_no_bifurcation_is_not_proven():
     post = gz.disc("post", (0.52, -0.9), 0.5, gz.newton(0.5))  # beside the way up and down
     (upright,) = found(gz.table([*bowl(r=0.8).objects, post], tilt=0.5 * pi), "(bowl)")
     assert "the flight after impact 1 touches twice at once" in gz.enclose(upright, "gr", "post.x").reason
+    saddle = found(active_discs(3.0), "ABC")[0]
+    assert "two real multipliers have the product 1" in gz.enclose(saddle, "ns", "A.radius").reason
     alone = found(active_discs(3.0), "AB")[0]
     for kind in ("pd", "lp", "gr"):
         assert not gz.enclose(alone, kind, "C.V").proven

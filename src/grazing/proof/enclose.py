@@ -28,9 +28,9 @@ from grazing.proof.curve import End, curve_image, enclosed_curve, end_of, units_
 from grazing.proof.equations import Equations
 from grazing.proof.gap import GapProof
 from grazing.proof.gap_branch import nearest_edge
-from grazing.proof.reasons import NotProven, Stage
+from grazing.proof.reasons import SADDLE, NotProven, Stage
 from grazing.proof.report import bound, clear_rows, described, impact_rows, jury, stability_of
-from grazing.proof.search import Dip, Search, dips_of
+from grazing.proof.search import TOUCH, Dip, Search, dips_of
 from grazing.proof.seen import alone
 from grazing.proof.table_value import prove_table_value
 from grazing.proof.text import about, enclosed, exact_text, short
@@ -43,9 +43,6 @@ if TYPE_CHECKING:
     from flint import arb
 
     Point = list[arb]
-
-#: Impacts slower than this part of the model's speeds touch the wall.
-TOUCH = 1e-9
 
 
 def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
@@ -191,6 +188,8 @@ def _proof(orbit: ImpactOrbit, kind: str, name: str, bits: int) -> tuple[dict[st
     touches = {dip.flight: dip.wall} if dip else {}
     cleared = [cleared_flight(equations, flights, i, box, touches.get(i)) for i in range(len(flights))]
     trace, det = equations.trace_and_det(flights, flow)
+    if kind == "ns" and trace**2 / 4 - det > 0:
+        raise NotProven(SADDLE)
     with Stage("the test function of the bifurcation does not surely change its sign"):
         tests, time = sign_rows(equations, kind, ends, cleared, dip)
         if kind == "ns":

@@ -6,6 +6,9 @@ from typing import Any
 
 from grazing.oscillator.sure import Undecided
 
+#: Where the test function of a Neimark-Sacker bifurcation is 0, and there is none.
+SADDLE = "two real multipliers have the product 1 there, a neutral saddle: no complex pair is on the unit circle"
+
 
 class NotProven(Exception):
     """Why there is no proof, and what to try."""

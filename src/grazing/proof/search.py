@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.orbits.contacts import sizes_of
 from grazing.proof.clearance import started
 from grazing.proof.equations import Equations, Flight
 from grazing.proof.flow import Blurred, TooLong
@@ -25,8 +26,12 @@ Floats = NDArray[np.float64]
 SECANTS, TRIES = 80, 12
 #: Bits of the first, rough search.
 ROUGH = 96
+#: Halvings of a step to where its velocity is extreme.
+SPLITS = 60
 #: Longest step of the search in the coordinate that is varied, in units of its size.
 STRIDE = 0.05
+#: So near to the wall, in sizes of the motion, a dip touches it, and an impact so slow does.
+TOUCH = 1e-9
 #: How far Newton's method may go from the tangent, as part of the step and in scales of the coordinates: farther off
 #: lies another branch. How far from the orbit given.
 ASTRAY, FAR, NEAR = 0.2, 0.05, 0.01
@@ -183,8 +188,10 @@ class Search(Along):
             if not dips:
                 raise NotProven("the orbit has no dip between its impacts that could touch a wall")
             was = self.dip
-            if was is None:
-                self.dip = min(dips, key=lambda dip: float(dip.height))
+            if was is None:  # the one that touches; else the lowest, of an orbit beyond its graze the one that was
+                near = TOUCH * sizes_of(self.equations.model)[0]
+                touching = [dip for dip in dips if float(abs(dip.height)) < near]
+                self.dip = min(touching or dips, key=lambda dip: float(dip.height))
             else:
                 here = [dip for dip in dips if (dip.flight, dip.wall) == (was.flight, was.wall)]
                 if not here:
@@ -216,10 +223,29 @@ def _dips_above(equations: Equations, f: Flight, i: int, x: Point, wall: int) ->
     found = []
     for k in range(count):
         after = step * z
-        if z[1, 0] < 0 and after[1, 0] > 0:
-            found.append(_lowest(flow, z, h, (i, wall), k * h))
+        for low, long, before in _pieces(flow, z, after, h):
+            if low[1, 0] < 0 and flow.shifted(low, long)[1, 0] > 0:
+                found.append(_lowest(flow, low, long, (i, wall), k * h + before))
         z = after
     return found
+
+
+def _pieces(flow: Any, z: Any, after: Any, h: arb) -> list[tuple[Any, arb, arb]]:
+    """Return a step in pieces on which the velocity rises or falls: state at the start, length, time before.
+
+    A dip just after an impact, or just before one, lies between two velocities of the same sign.
+    """
+    from flint import arb
+
+    first, last = ((flow.system * one)[1, 0] for one in (z, after))
+    if not (first * last < 0):
+        return [(z, h, arb(0))]
+    low, high = arb(0), h
+    for _ in range(SPLITS):
+        middle = ((low + high) / 2).mid()
+        state = flow.shifted(z, middle)
+        low, high = (middle, high) if (flow.system * state)[1, 0] * first > 0 else (low, middle)
+    return [(z, middle, arb(0)), (state, (h - middle).mid(), middle)]
 
 
 def _lowest(flow: Any, z: Any, h: arb, at: tuple[int, int], before: arb) -> Dip:

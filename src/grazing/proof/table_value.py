@@ -21,7 +21,7 @@ from grazing.pool import LOCK
 from grazing.proof.curve import enclosed_curve, end_of, units_of
 from grazing.proof.expression import NotAnExpression
 from grazing.proof.krawczyk import NoConvergence
-from grazing.proof.reasons import NotProven, Open, Stage
+from grazing.proof.reasons import SADDLE, NotProven, Open, Stage
 from grazing.proof.search import Along
 from grazing.proof.table import TableWriter, described
 from grazing.proof.text import enclosed, exact_text, short
@@ -249,6 +249,8 @@ def _proof(
         search = TableSearch(equations, kind, start)
         centre = search.zero()
         _one_touch(equations, search, centre)
+        if kind == "ns" and checker.discriminant(equations.sums(centre, equations.flights(centre))) > 0:
+            raise NotProven(SADDLE)
     centre, pinned = [short(x, BITS // 2) for x in centre], search.pinned
     units = units_of(equations, centre)
     centre[pinned] = (
