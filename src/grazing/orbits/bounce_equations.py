@@ -9,10 +9,10 @@ from numpy.typing import NDArray
 
 from grazing.billiard.table import Table
 from grazing.maps.map import Map
-from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, turn_of
+from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, steps_of
 from grazing.orbits.bounces import Bounces, Surface, solid_surfaces
 from grazing.orbits.equations import Equations, Test
-from grazing.orbits.map_equations import tests_of
+from grazing.orbits.map_equations import product, product_error, tests_of
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.point_equations import PointEquations
 from grazing.outcome import InputError
@@ -98,11 +98,12 @@ class BounceEquations(PointEquations):
 
     def turn(self, x: Floats, p: Floats) -> Floats:
         """Return the derivative (3, 3) of one turn at the first impact."""
-        return turn_of(self.at(p), apart(x))
+        return product(steps_of(self.at(p), apart(x)))
 
     def turn_error(self, x: Floats, p: Floats) -> Floats:
         """Return by how much that may be off: rounding."""
-        return np.asarray(4.0 * EPS * np.abs(self.turn(x, p)))
+        steps = steps_of(self.at(p), apart(x))
+        return product_error(steps, 4.0 * EPS * np.abs(steps))
 
     def tests(self, x: Floats, p: Floats) -> tuple[Test, ...]:
         """Return pd, lp and, where energy is not conserved, ns of the turn; each impact's speed; each flight's dips.
@@ -114,18 +115,19 @@ class BounceEquations(PointEquations):
         _w, b = bounces.velocities(y)
         speeds = -(normal * b).sum(0) / np.hypot(*b)
         pole = float(np.prod(speeds))
-        J = self.turn(x, p)
+        J, off = self.turn(x, p), self.turn_error(x, p)
         if self.energy is None:
-            off = self.turn_error(x, p)
-            values = np.array([tests_of(one) for one in (J, J - off, J + off)]) * (pole, pole, pole * pole)
-            errors = np.abs(values[1:] - values[0]).max(axis=0)  # ns is 0 all along where the map keeps areas
+            sizes = np.array([pole, pole, pole * pole])
+            values = np.array(tests_of(J))
+            moved = np.array([tests_of(J + one) for one in np.diag(off.ravel()).reshape(-1, 3, 3)])
+            errors = np.abs(moved - values).sum(axis=0)  # ns is 0 all along where the map keeps areas
             found = [
                 Test(kind, float(value), -1, float(error))
-                for kind, value, error in zip(("pd", "lp", "ns"), values[0], errors, strict=True)
+                for kind, value, error in zip(("pd", "lp", "ns"), values * sizes, errors * np.abs(sizes), strict=True)
             ]
         else:
-            trace = float(np.trace(J)) - 1.0
-            found = [Test("pd", pole * (2.0 + trace)), Test("lp", pole * (2.0 - trace))]
+            trace, error = float(np.trace(J)) - 1.0, abs(pole) * float(np.trace(off))
+            found = [Test("pd", pole * (2.0 + trace), -1, error), Test("lp", pole * (2.0 - trace), -1, error)]
         found += [Test("v0", float(speed), i) for i, speed in enumerate(speeds)]
         assert self._held is not None
         found += [Test("gr", dip, i) for i, dip in enumerate(dips(bounces, y, self._held[2]))]

@@ -12,6 +12,7 @@ from grazing.billiard.hit import place_of
 from grazing.maps.collide import in_three, slopes
 from grazing.maps.map import Map
 from grazing.orbits.bounces import Bounces
+from grazing.orbits.map_equations import product
 from grazing.orbits.orbit import ROUNDING, Orbit, condition_of
 from grazing.orbits.word import word
 from grazing.outcome import ESCAPED, FATAL, InputError
@@ -145,12 +146,13 @@ def flies(P: Map, bounces: Bounces, points: Floats) -> bool:
     return True
 
 
-def turn_of(bounces: Bounces, x: Floats) -> Floats:
-    """Return the derivative (3, 3) of one turn in (place, angle, speed); NaN where an impact has no speed.
+def steps_of(bounces: Bounces, x: Floats) -> Floats:
+    """Return the derivatives (n, 3, 3) of all steps in (place, angle, speed); NaN where an impact has no speed.
 
-    It is that of the flights of the word, whatever else is in their way.
+    They are those of the flights of the word, whatever else is in their way.
     """
-    n, J = bounces.n, np.eye(3)
+    n = bounces.n
+    found = np.full((n, 3, 3), np.nan)
     p, normal, _m = bounces.frames(x[:n])
     w, b = bounces.velocities(x)
     bent = bounces.slopes((normal * b).sum(0))
@@ -163,13 +165,13 @@ def turn_of(bounces: Bounces, x: Floats) -> Floats:
         (bx, by), (wx, wy) = b[:, k].tolist(), w[:, k].tolist()
         speeds = bx * nx + by * ny, wx * nx + wy * ny, by * nx - bx * ny, *frames[k]
         if speeds[0] == 0.0 or not hypot(speeds[1], speeds[2]) > 0.0:
-            return np.full((3, 3), np.nan)
+            continue
         (ax, ay), (mx, my) = w[:, i].tolist(), frames[i][:2]
         angle, speed = atan2(ay * mx - ax * my, ax * mx + ay * my), hypot(ax, ay)
         before = (*p[:, k].tolist(), bx, by)
         step = slopes(angle, speed, frames[i], tau, before, speeds, bent[k], bounces.g)
-        J = np.array(in_three(step)).reshape(3, 3) @ J
-    return J
+        found[i] = np.array(in_three(step)).reshape(3, 3)
+    return found
 
 
 def on_level(bounces: Bounces, x: Floats, speed: float, J: Floats) -> Floats:
@@ -200,7 +202,7 @@ def roots_of(J: Floats, conserved: bool) -> NDArray[np.complex128]:
 def bounce_orbit(P: Map, bounces: Bounces, x: Floats) -> BounceOrbit:
     """Return the orbit of a solution (2n,): admissible if the collision map itself goes round it."""
     n, points = bounces.n, points_of(bounces, x)
-    J = turn_of(bounces, x)
+    J = product(steps_of(bounces, x))
     conserved = bounces.energy is not None
     owners = tuple(surface.owner for surface in bounces.word)
     size = max(1.0, float(np.abs(bounces.velocities(x)[0]).max()))

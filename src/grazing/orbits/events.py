@@ -90,6 +90,8 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event] | None:
     for i, (before, after) in enumerate(zip(a.tests, b.tests, strict=False)):
         if (before.value > 0.0) == (after.value > 0.0) or before[::2] != after[::2]:
             continue
+        if max(abs(before.value), abs(after.value)) < min(before.error, after.error):
+            continue  # nobody knows its signs: it may be zero all along
         type = before.type
         if type == "lp":  # its test function is zero at a fold, and where two branches cross
             if folds:
