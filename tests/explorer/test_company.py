@@ -32,7 +32,7 @@ WRITTEN = f"""() => {{
 
 
 def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
-    shown.open(f"{address}#version=2&view=ball&offset=0.1225")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.1225")
     names, colours, flights = (
         shown.page.evaluate(f"() => {BALL}.orbits.map(o => o.{what})")
         for what in ("name", "colour", "flight.hits.length")
@@ -66,7 +66,7 @@ def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
 
 def test_the_ball_takes_the_colour_of_the_orbit_it_is_on(shown, address):
     """At d = 0.1225 two orbits live: the ball that came from below is on 001, and its letters say so in its colour."""
-    shown.open(f"{address}#version=2&view=ball&offset=0.1225&ball=0.1171906:0.2250153:0")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.1225&ball=0.1171906:0.2250153:0")
     faster(shown)
     shown.until(f"() => {BALL}.now > 30 * {BALL}.T")
     heard = shown.page.evaluate(f"() => {BALL}.past.heard({BALL}.classes).word")
@@ -151,7 +151,7 @@ def test_the_way_to_the_orbit_is_not_measured(shown, address):
 
 
 def test_the_rate_is_that_of_the_parameters_now(shown, address):
-    shown.open(f"{address}#version=2&view=ball&offset=0.12&twin=yes")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&twin=yes")
     faster(shown)
     shown.until(f"() => {BALL}.company.rate.turns >= 10")
     shown.page.fill("input[type=number][name=offset]", "0.125")
@@ -162,7 +162,7 @@ def test_the_rate_is_that_of_the_parameters_now(shown, address):
 
 
 def test_chatter_brings_balls_together_without_end(shown, address):
-    shown.open(f"{address}#version=2&view=ball&sigma=-0.3&V=0&r=0.3&offset=-0.5&twin=yes")
+    shown.open(f"{address}#version=2&view=ball&columns=20&sigma=-0.3&V=0&r=0.3&offset=-0.5&twin=yes")
     faster(shown)
     shown.until(f"() => {BALL}.company.rate.turns >= 3")
     assert "λ = −∞" in shown.page.inner_text("#rate")
@@ -172,7 +172,7 @@ def test_chatter_brings_balls_together_without_end(shown, address):
 
 
 def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(shown, address, tmp_path):
-    shown.open(f"{address}#version=2&view=ball&reach=0.118:0.128")
+    shown.open(f"{address}#version=2&view=ball&columns=80&reach=0.118:0.128")
     plain = shown.pixels("ball-diagram")
     shown.page.click("#sweeps")
     shown.until(f"() => {BALL}.company.sweeps.found")
@@ -207,7 +207,7 @@ def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(sh
 
 
 def test_sweeps_of_the_wall_stay_above_it(shown, address):
-    shown.open(f"{address}#version=2&view=ball&vary=sigma&reach=-0.2:0.1&sweeps=yes")
+    shown.open(f"{address}#version=2&view=ball&columns=40&vary=sigma&reach=-0.2:0.1&sweeps=yes")
     shown.until(f"() => {BALL}.company.sweeps.found")
     values, up = (
         np.array(shown.page.evaluate(f"() => [...{BALL}.company.sweeps.found.{n}]")) for n in ("values", "up")

@@ -8,7 +8,7 @@ import pytest
 import grazing as gz
 from tests.explorer.browser import Shown
 
-SMALL = "chart_columns=24&chart_rows=20&columns=60&bins=60"
+SMALL = "chart_columns=24&chart_rows=20&columns=60&bins=60&flow_starts=2&flow_transient=40&flow_keep=30"
 #: Views whose pictures move: the fragment, the canvas, the parts of the state that change, and its axes.
 PICTURES = {
     "gap": ("view=gap", "gap-diagram", ["span", "range"], "explorer.views.gap.diagram.axes"),
@@ -20,6 +20,15 @@ PICTURES = {
                "explorer.views.chart.axes"),
     "strobe": ("view=strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2", "strobe", ["line"], "explorer.views.strobe.axes"),
 }  # fmt: skip
+
+
+#: For tests in which the ball must fly: in the others nothing moves by itself.
+FLYING = pytest.mark.parametrize("motion", ["no-preference"])
+
+
+@pytest.fixture
+def motion():
+    return "reduce"
 
 
 @pytest.fixture
@@ -222,6 +231,7 @@ def in_python(u, v, times):
     return flown
 
 
+@FLYING
 @pytest.mark.parametrize("canvas", ["phase", "strip"])
 def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
     shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
@@ -254,6 +264,7 @@ def test_the_ball_is_slung_and_its_flight_foreseen(shown, address, canvas):
     assert "ball=" in shown.link()
 
 
+@FLYING
 @pytest.mark.parametrize("canvas", ["phase", "strip"])
 def test_keys_aim_and_throw(shown, address, canvas):
     shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
@@ -402,6 +413,7 @@ def test_a_finger_moves_a_slider_and_goes_on_in_fine_steps(phone, address):
     assert abs(state(phone, "offset") - across - 12 * step) < 1e-9
 
 
+@FLYING
 def test_between_walls_the_ball_is_slung_and_a_wall_that_comes_down_takes_it_along(shown, address):
     shown.open(f"{address}#version=2&view=ball&two=yes&columns=20&bins=20")
     start, end = place(shown, "phase", 0.5, 0.4), place(shown, "phase", 1.0, 0.3)  # far into the upper wall

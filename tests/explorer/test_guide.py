@@ -133,7 +133,8 @@ ENDS = """() => [...document.querySelectorAll('.view canvas')].filter(c => c.off
 
 
 def test_every_question_is_answered_by_a_picture(shown, address, tour):
-    shown.open(f"{address}#version=2&view=ball&offset=0.13&columns=20&bins=20")
+    small = "columns=20&bins=20&flow_starts=2&flow_transient=60&flow_keep=40"
+    shown.open(f"{address}#version=2&view=ball&offset=0.13&{small}")
     shown.page.click("#tour")
     for n, step in enumerate(tour, 1):
         shown.until(f"() => explorer.state().tour === {n}")

@@ -228,7 +228,7 @@ def test_without_sound_the_page_says_so(browser, address):
     context = browser.new_context()
     context.add_init_script("delete globalThis.AudioContext;")
     page = Shown(context.new_page())
-    page.open(f"{address}#version=2&view=ball")
+    page.open(f"{address}#version=2&view=ball&columns=20")
     page.page.click("#sound")
     assert "no sound" in page.problem() and page.page.get_attribute("#sound", "aria-pressed") == "false"
     context.close()

@@ -161,7 +161,7 @@ def test_the_command_makes_the_same_raster(shown, address, view, tmp_path):
 
 def test_no_request_leaves_the_host(shown, address):
     for view in ("gap", "oscillator", "ball", "chart"):
-        shown.open(f"{address}#version=2&view={view}&columns=20&chart_columns=20")
+        shown.open(f"{address}#version=2&view={view}&columns=20&chart_columns=20&chart_rows=16")
         shown.page.reload()
         shown.settle()
     assert shown.asked and all(url.startswith((address.removesuffix("page/"), "data:")) for url in shown.asked)
@@ -315,7 +315,7 @@ def test_the_ball_moves_pauses_and_steps_from_impact_to_impact(shown, address):
 
 
 def test_figures_by_their_numbers(shown, address):
-    shown.open(address)
+    shown.open(f"{address}#version=2&view=ball&columns=20")
     for name, wanted in (
         ("3.2", "lam=0.34"),
         ("2.2", "view=strobe"),
@@ -344,7 +344,7 @@ def test_a_phone_shows_all_of_its_width(browser, address, scheme):
     context = browser.new_context(viewport={"width": 375, "height": 700}, color_scheme=scheme)
     page = Shown(context.new_page())
     for view in ("gap", "edges", "oscillator", "ball", "chart", "strobe"):
-        page.open(f"{address}#version=2&view={view}&columns=30&chart_columns=30")
+        page.open(f"{address}#version=2&view={view}&columns=30&chart_columns=30&chart_rows=20&flow_starts=2")
         page.page.reload()
         page.settle()
         assert page.page.evaluate("() => document.documentElement.scrollWidth") <= 375
@@ -426,14 +426,14 @@ AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_mo
 @pytest.mark.parametrize(
     "view",
     [
-        "gap&tour=7&web=5&note=x",
-        "gap&tour=8&answer=1",
+        "gap&tour=7&web=5&note=x&columns=40",
+        "gap&tour=8&answer=1&columns=40",
         "oscillator&columns=20",
-        "ball",
-        "ball&twin=yes&sweeps=yes&offset=0.1225",
+        "ball&columns=20",
+        "ball&twin=yes&sweeps=yes&offset=0.1225&columns=40",
         "ball&two=yes&sin_A=0.02&columns=20",
-        "gap&lam=x",
-        "chart&chart_columns=20",
+        "gap&lam=x&columns=40",
+        "chart&chart_columns=20&chart_rows=16",
         "strobe",
         "edges",
     ],

@@ -57,7 +57,7 @@ def test_a_folder_that_is_opened_from_the_disk_says_what_to_do(browser, tmp_path
 
 
 def test_what_is_said_of_a_page_that_does_not_start_is_gone_when_it_does(shown, address):
-    shown.open(address)
+    shown.open(f"{address}#version=2&view=edges")
     assert shown.page.query_selector("#unread") is None
 
 
@@ -136,12 +136,12 @@ def test_the_command_says_what_it_wrote(tmp_path, monkeypatch, capsys):
 #: Links of earlier versions of the page, and what they must still show.
 OLDER = {
     "version=1&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.12": {"view": "gap", "l": 0.1, "mu": 0.12},
-    "version=1&view=ball&offset=0.12&V=0.4&ball=0.2:0.1:0.25": {"view": "ball", "V": 0.4},
-    "version=1&view=oscillator&vary=V&reach=0.1:0.5&reduced=no&theory=no": {"vary": "V", "reduced": False},
+    "version=1&view=ball&columns=30&offset=0.12&V=0.4&ball=0.2:0.1:0.25": {"view": "ball", "V": 0.4},
+    "version=1&view=oscillator&columns=30&vary=V&reach=0.1:0.5&reduced=no&theory=no": {"vary": "V", "reduced": False},
     "version=1&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=16": {"chart": "basins"},
     "version=1&view=strobe&omega=2.1&t0=2.2&offset=0.11&V=0.2&order=full": {"order": "full", "u0": 0.03},
     "version=1&view=edges&lam=0.9&periods=3:5&gaps=0:1&span=0:1&l=0.7": {"periods": [3, 5]},
-    "version=1&view=ball&tour=2&offset=0.1305": {"tour": 2, "offset": 0.1305},
+    "version=1&view=ball&columns=30&tour=2&offset=0.1305": {"tour": 2, "offset": 0.1305},
 }
 
 
@@ -182,7 +182,7 @@ def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
 
 
 def test_every_change_of_scene_is_a_step_back(shown, address):
-    shown.open(address)
+    shown.open(f"{address}#version=2&view=ball&columns=20")
     shown.link()
     shown.page.click("[data-view=gap]")
     shown.settle()
@@ -208,7 +208,7 @@ def test_every_change_of_scene_is_a_step_back(shown, address):
 
 
 def test_moves_of_a_slider_are_no_steps(shown, address):
-    shown.open(address)
+    shown.open(f"{address}#version=2&view=ball&columns=20")
     shown.link()
     before = shown.page.evaluate("() => history.length")
     knob = shown.page.locator(".control[data-name=offset] input[type=range]")

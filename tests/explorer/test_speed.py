@@ -118,7 +118,7 @@ def test_refinement_makes_way_for_a_new_picture(shown, address):
 
 
 def test_the_ball_moves_by_the_time_of_every_frame(shown, address):
-    shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4")
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
     shown.until("() => explorer.views.ball.now > 0.5")
     frames = shown.page.evaluate(
         """() => new Promise((done) => {

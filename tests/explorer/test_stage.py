@@ -277,7 +277,7 @@ def test_a_slider_is_named_in_words_and_by_its_symbol(shown, address):
 
 
 def test_every_parameter_has_words(shown, address):
-    shown.open(address)
+    shown.open(f"{address}#version=2&view=ball&columns=20")
     missing = shown.page.evaluate(
         "async () => { const { WORDS } = await import('./names.js'); const all = '.control[data-name]'; "
         "return [...document.querySelectorAll(all)].map(e => e.dataset.name).filter(n => !WORDS[n]); }"

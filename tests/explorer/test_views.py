@@ -155,7 +155,7 @@ def run():
 @pytest.fixture(scope="module")
 def presets(browser, address):
     page = browser.new_page()
-    page.goto(address)
+    page.goto(f"{address}presets.js")
     found = page.evaluate("async () => (await import('./presets.js')).PRESETS")
     page.close()
     return found
@@ -227,7 +227,7 @@ def test_the_zero_time_map_of_figure_2_1(shown, address, presets, run):
 
 
 def test_the_zero_time_map_of_any_model(shown, address):
-    shown.open(address)
+    shown.open(f"{address}#version=2&view=strobe")
     rng = np.random.default_rng(6)
     found = 0
     for k in range(60):

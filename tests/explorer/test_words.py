@@ -47,7 +47,7 @@ def said(page):
         "view=ball&omega=0.001",
         "view=ball&omega=0.001&ball=0.3:0:0",
         "view=oscillator&flow_transient=100000&columns=4&bins=20&flow_starts=1",
-        "view=oscillator&omega=0.001&columns=50&reduced=no",
+        "view=oscillator&omega=0.001&columns=8&bins=20&reduced=no",
     ],
 )
 def test_the_page_answers_while_it_looks_for_attractors(shown, address, fragment):
@@ -113,7 +113,7 @@ def test_chatter_and_rest_are_named_as_in_python(shown, address, model, words):
     grid = {name: [model[name], model[name] + 1e-9] for name in ("d", "r")}
     word = gz.chart(P, grid, starts=2, transient=100, keep=32)["word"].values.ravel()[0]
     given = "&".join(f"{name}={value}" for name, value in model.items()).replace("d=", "offset=")
-    shown.open(f"{address}#version=2&view=ball&{given}")
+    shown.open(f"{address}#version=2&view=ball&columns=20&{given}")
     assert f"{words}" in said(shown) and f"word {word};" in said(shown)
     show(shown, address, f"view=chart&chart=basins&{given}&positions=0:0.5&chart_columns=4&chart_rows=4")
     shown.settle()
@@ -162,7 +162,7 @@ def test_a_wall_above_0_leaves_basins_and_ball(shown, address):
 
 
 def test_words_of_the_ball(shown, address):
-    shown.open(f"{address}#version=2&view=ball&law=triggered&trigger=0.3")
+    shown.open(f"{address}#version=2&view=ball&columns=20&law=triggered&trigger=0.3")
     assert "a bumper with V = 0.4, passive below the impact speed vs = 0.3" in said(shown)
     shown.page.click("#step")
     shown.until("() => document.getElementById('summary').textContent.includes('the link and the copied')")

@@ -146,8 +146,7 @@ class Bounces:
     def frames(self, u: Floats) -> tuple[Floats, Floats, Floats]:
         """Return places p, normals and dp/du along T of coordinates (..., n): (..., 2, n) twice, and (n,)."""
         flat = np.empty((*u.shape[:-1], 2, self.n))
-        np.cos(u, out=flat[..., 0, :])
-        np.sin(u, out=flat[..., 1, :])
+        flat[..., 0, :], flat[..., 1, :] = np.cos(u), np.sin(u)
         normal = np.where(self.q, flat * self.sign, self._flat_normals)
         way = np.where(self.q, self.size * flat, u[..., None, :] * self.e + self.size * normal)
         return self.centre + way, normal, np.where(self.q, self.size * self.sign, self.sign)
@@ -171,8 +170,7 @@ class Bounces:
         u, tau = x[:, :n], x[:, None, n:]
         p, normal, m = self.frames(u)
         T = np.empty_like(normal)
-        np.negative(normal[:, 1], out=T[:, 0])
-        T[:, 1] = normal[:, 0]
+        T[:, 0], T[:, 1] = -normal[:, 1], normal[:, 0]
         w, b = self._flown(p, tau)
         ahead = (p[..., after] - p) / tau**2  # -d w/d tau, less gravity's part
         half = np.array([[0.0], [0.5 * self.g]])
