@@ -75,12 +75,17 @@ def next_carried(
             left, (x, y, vx, vy) = on, after
             continue
         x, y, vx, vy = before
-        slides = -1 if left == last + RIDES else last
-        if not crossed(owner - gates, surface, (x, y, vx, vy), slides, end, table, slopes, columns, width):
+        rides = left == last + RIDES
+        slides = -1 if rides else last
+        answer = crossed(owner - gates, surface, (x, y, vx, vy), slides, end, table, slopes, columns, width)
+        if answer < 0:
             return (surface, -1, t, flags | BAD_LAW, on), before, after, found[3], (ax, ay)
         if last < 0:
             left = 1.0 * (surface ^ 1)
         else:
+            if rides and answer == 1:  # the flipper may turn back under it: an impact
+                left = 1.0 * last
+                pushed_on(slopes, columns, width, owner - gates, ax, ay + g)
             closed, long = surface, shut(surface, -1.0, table)
     return (-1, -1, t, flags | TOO_MANY_SWINGS, left), (x, y, vx, vy), (x, y, vx, vy), found[3], (ax, ay)
 
@@ -88,8 +93,8 @@ def next_carried(
 @inlined
 def crossed(
     number: int, surface: int, state: Any, last: int, clock: float, table: Any, slopes: Any, columns: int, width: int
-) -> bool:  # fmt: skip
-    """Ask at a gate, and let derivatives know what is pressed; say whether it was answered."""
+) -> int:  # fmt: skip
+    """Ask at a gate, and let derivatives know what is pressed; return what :func:`asked` does."""
     x, y, vx, vy = state
     gate = gate_of(number, table)
     _turned, rate, by_turned, by_until = motion_at(gate, clock)
@@ -107,7 +112,17 @@ def crossed(
                 late = -one[DS] / speed_on(element(last, clock, table), x, y, vx, vy)
             own[OF_TURNED] = by_turned * own[OF_TURNED] + by_until * own[OF_UNTIL] + (rate - up) * late
             own[OF_UNTIL] = late
-    return said >= 0
+    return said
+
+
+@inlined
+def pushed_on(slopes: Any, columns: int, width: int, number: int, ax: float, ay: float) -> None:
+    """Let a flipper push for as much longer as a button is pressed later."""
+    for k in range(columns):
+        one = behind(slopes, width * k)
+        late = one[OF_GATES + EACH * number + OF_UNTIL]
+        one[DVX] += ax * late
+        one[DVY] += ay * late
 
 
 @inlined
