@@ -129,3 +129,45 @@ def test_a_stroke_under_a_ball_that_slides():
         moved = h * np.eye(4)[j]
         D = (P(state + moved)[0] - P(state - moved)[0]) / (2 * h)
         np.testing.assert_allclose(J[:, j], D, rtol=0, atol=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("rest", "down", "foot", "along", "wait", "ends"),
+    [(-1.2, 0.7, 1.7, -0.1, 0.1, "lets go"), (-0.4, 1.0, 0.9, 0.1, 0.4, "stops"), (-0.4, 0.5, 0.6, 0.8, 0.2, "hub")],
+)
+def test_on_a_flipper_that_turns(rest, down, foot, along, wait, ends):
+    """Until nothing presses it on, the flipper stops, or it flies past the hub; there derivatives were not a number."""
+    one = gz.flipper("F", (0, 0), 2.0, (0.2, 0.1), rest, rest + 1.0, gz.newton(0.0), up=2.0, down=down)
+    P = gz.collision_map(gz.table([one, FLOOR], 0.1, tilt=pi / 2, player=gz.flips(9.0, 1.0)), on="F")
+    size, lean, long = mp.mpf(0.2) + mp.mpf(0.1), mp.acos(mp.mpf(0.1) / 2), P.box[0][1]
+
+    def twin(place, angle, speed, clock):
+        w, a = -mp.mpf(down), mp.mpf(rest) + 1 - mp.mpf(down) * (clock - 1) + lean
+        s, q = place - mp.mpf(long), speed * mp.sin(angle) - w * size
+
+        def at(t):
+            z, n = w * t, (mp.cos(a), mp.sin(a))
+            c, d = mp.cosh(z) - mp.cos(z), mp.sinh(z) - mp.sin(z)
+            here = s * mp.cosh(z) + q / w * mp.sinh(z) - (c * n[0] - d * n[1]) / (2 * w**2)
+            rate = s * w * mp.sinh(z) + q * mp.cosh(z)
+            rate -= ((mp.sinh(z) + mp.sin(z)) * n[0] - (mp.cosh(z) - mp.cos(z)) * n[1]) / (2 * w)
+            return here, rate, mp.cos(a + z), mp.sin(a + z)
+
+        def until(t):
+            here, rate, _nx, ny = at(t)
+            return here if ends == "hub" else ny - 2 * w * rate - size * w**2
+
+        t = 1 + 1 / mp.mpf(down) - clock if ends == "stops" else mp.findroot(until, 0.5)
+        s, q, nx, ny = at(t)
+        if ends == "stops":  # it falls onto the side that stands still, and slides on
+            return s, -mp.pi / 2, -(q + w * size), clock + t
+        x, y, u = size * nx - s * ny, size * ny + s * nx, q + w * size
+        place, angle, out, late = landed(x, y, -u * ny - w * s * nx, u * nx - w * s * ny, mp.mpf(-4) + mp.mpf(0.1))
+        return -place, angle, out, clock + t + late
+
+    push = down * foot  # the ball moves with the side
+    state = long - foot, float(np.arctan2(along, -push)), float(np.hypot(along, push)), 1.0 + wait
+    new, letter = P(state)
+    assert P.letters.symbol(letter) == ("F" if ends == "stops" else "(floor)")
+    np.testing.assert_allclose(new[1:], [float(x) for x in twin(*map(mp.mpf, state))[1:]], rtol=0, atol=1e-12)
+    np.testing.assert_allclose(P.jacobian(state), differences(twin, state, range(4)), rtol=0, atol=1e-11)

@@ -116,13 +116,13 @@ def test_in_a_narrow_corner_it_is_not_jammed():
     assert len(touched) == 30 and not int(flights[-1, FLAGS]) & TOO_MANY_IMPACTS
 
 
-def test_a_map_goes_on_through_a_slide_on_a_flipper_that_turns_and_knows_no_derivative_there():
+def test_a_map_goes_on_through_a_slide_on_a_flipper_that_turns():
     one = gz.flipper("F", (0, 0), 2.0, (0.2, 0.1), -0.4, 0.7, gz.newton(0.0), up=2.0, down=1.0)
     more = [gz.drain("out", (-9, -9), (9, -9)), gz.segment("roof", (-3, 4), (5, 4), gz.newton(1.0))]
     P = gz.collision_map(gz.table([one, *more], 0.1, tilt=UP, player=gz.flips(4.0, 1.2)))
     orbit = P.orbit((19.25, 0.1, 0.3, 1.4), 3)
     assert orbit.outcomes[1] == CHATTER | STUCK
-    assert [bool(np.isnan(P.jacobian(one)).all()) for one in orbit.points[:2]] == [False, True]
+    assert all(np.isfinite(P.jacobian(one)).all() for one in orbit.points[:2])
 
 
 def test_samples_of_a_slide_on_a_flipper_that_a_strategy_moves_are_on_that():

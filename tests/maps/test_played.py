@@ -128,3 +128,26 @@ def test_what_is_no_decision_is_refused(make):
         make(watched(late)).orbit((1.0,) * make(watched(late)).dimension, 1)
     with pytest.raises(gz.InputError, match="worked by a recording"):
         gz.collision_map(gz.table([LEFT, OUT], rho=0.1, player=gz.presses(L=[1.0, 2.0])))
+
+
+def test_a_button_pressed_as_the_ball_rides_the_flipper_down_is_an_impact():
+    """The ball went up with the flipper, whatever its law says; derivatives there are those of that impact."""
+    made, out = [], []
+    for r in (0.0, 0.5, 0.9):
+        one = gz.flipper("F", (0, 0), 2.0, (0.2, 0.1), -1.2, -0.2, gz.newton(r), up=2.0, down=0.7)
+        player = gz.strategy(yes, {"F": ((0.497, -3.0), (0.497, 3.0))}, 0.3)
+        floor = gz.segment("floor", (-9, -4), (9, -4), gz.newton(0.8))
+        P = gz.collision_map(gz.table([one, floor], 0.1, tilt=0.5 * np.pi, player=player))
+        made.append(P)
+
+        def riding(foot, along, turned, end=P.box[0][1]):  # with the speed of the side
+            return np.array([end - foot, np.arctan2(along, -0.7 * foot), np.hypot(along, 0.7 * foot), turned, 0.0])
+
+        new, letter = P(riding(0.4, -0.4, 0.9))
+        assert P.letters.symbol(letter) == "F" and new[4] == 0.3
+        out.append(new[2] * np.cos(new[1]))
+    assert out[1] > out[0] + 0.1 and (out[2] - out[0]) / 0.9 == pytest.approx((out[1] - out[0]) / 0.5, abs=1e-9)
+    P, J, at, h = made[1], made[1].jacobian(riding(0.4, -0.4, 0.9)), np.array([0.4, -0.4, 0.9]), 1e-6
+    for way in h * np.eye(3):
+        D, moved = P(riding(*at + way))[0] - P(riding(*at - way))[0], riding(*at + way) - riding(*at - way)
+        np.testing.assert_allclose(J @ moved / (2 * h), D / (2 * h), rtol=0, atol=1e-6)

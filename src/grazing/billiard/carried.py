@@ -1,8 +1,9 @@
 """What becomes of a ball up to its next impact, event by event, through gates, with derivatives of all that.
 
 A derivative is carried along as the difference of two orbits at the same time. On a slide it has two numbers, place and
-speed along the surface. At an event, which the other orbit meets dt later, what jumps there is told apart for that long
-(saltation: Aizerman and Gantmakher 1958, Müller 1995). Formulas: docs/table.md.
+speed along the surface; on a flipper that turns these are taken anew from the four in each ride. At an event, which the
+other orbit meets dt later, what jumps there is told apart for that long (saltation: Aizerman and Gantmakher 1958,
+Müller 1995). Formulas: docs/table.md.
 """
 
 from __future__ import annotations
@@ -11,8 +12,10 @@ from typing import Any
 
 from grazing.billiard.contact import SLIDES, jammed, next_event, slid_on
 from grazing.billiard.elements import bend_of, element, normal_of
-from grazing.billiard.gates import asked, gate_of, gate_under, motion_at, shut
+from grazing.billiard.flippers import SIZE
+from grazing.billiard.gates import STROKE, UNTIL, asked, gate_of, gate_under, motion_at, shut
 from grazing.billiard.hit import away_of, met, period_of
+from grazing.billiard.ride import begun, ridden, ridden_by
 from grazing.billiard.rows import FLIPPERS, GRAVITY
 from grazing.billiard.slide import pressing
 from grazing.billiard.swing import swung_by
@@ -21,7 +24,6 @@ from grazing.kernel.elementary import arctan2
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import BAD_LAW, ESCAPED, FATAL, NO_IMPACT, TOO_MANY_SWINGS
 
-NAN = float("nan")
 #: Of a column of derivatives: those of x, y, vx and vy, or of place and speed on a slide; by how much the clock is
 #: ahead; then of each gate, how far its flipper had turned, and until when its button is pressed.
 DX, DY, DVX, DVY, AHEAD, OF_GATES = range(6)
@@ -58,7 +60,7 @@ def next_carried(
             if last < 0:
                 flown_by(slopes, columns, width, length)
             elif left == last + RIDES:
-                unknown(slopes, columns, width)
+                ax, ay = ridden_along(slopes, columns, width, last, (x, y, vx, vy), now, found, table)
             else:
                 ax, ay = slid_by(slopes, columns, width, last, (x, y, vx, vy), now, found, table)
             if owner < 0 and surface >= 0 and on == surface + ON and not (last == surface):
@@ -73,11 +75,17 @@ def next_carried(
             left, (x, y, vx, vy) = on, after
             continue
         x, y, vx, vy = before
-        if not crossed(owner - gates, surface, (x, y, vx, vy), last, end, table, slopes, columns, width):
+        rides = left == last + RIDES
+        slides = -1 if rides else last
+        answer = crossed(owner - gates, surface, (x, y, vx, vy), slides, end, table, slopes, columns, width)
+        if answer < 0:
             return (surface, -1, t, flags | BAD_LAW, on), before, after, found[3], (ax, ay)
         if last < 0:
             left = 1.0 * (surface ^ 1)
         else:
+            if rides and answer == 1:  # the flipper may turn back under it: an impact
+                left = 1.0 * last
+                pushed_on(slopes, columns, width, owner - gates, ax, ay + g)
             closed, long = surface, shut(surface, -1.0, table)
     return (-1, -1, t, flags | TOO_MANY_SWINGS, left), (x, y, vx, vy), (x, y, vx, vy), found[3], (ax, ay)
 
@@ -85,8 +93,8 @@ def next_carried(
 @inlined
 def crossed(
     number: int, surface: int, state: Any, last: int, clock: float, table: Any, slopes: Any, columns: int, width: int
-) -> bool:  # fmt: skip
-    """Ask at a gate, and let derivatives know what is pressed; say whether it was answered."""
+) -> int:  # fmt: skip
+    """Ask at a gate, and let derivatives know what is pressed; return what :func:`asked` does."""
     x, y, vx, vy = state
     gate = gate_of(number, table)
     _turned, rate, by_turned, by_until = motion_at(gate, clock)
@@ -104,7 +112,17 @@ def crossed(
                 late = -one[DS] / speed_on(element(last, clock, table), x, y, vx, vy)
             own[OF_TURNED] = by_turned * own[OF_TURNED] + by_until * own[OF_UNTIL] + (rate - up) * late
             own[OF_UNTIL] = late
-    return said >= 0
+    return said
+
+
+@inlined
+def pushed_on(slopes: Any, columns: int, width: int, number: int, ax: float, ay: float) -> None:
+    """Let a flipper push for as much longer as a button is pressed later."""
+    for k in range(columns):
+        one = behind(slopes, width * k)
+        late = one[OF_GATES + EACH * number + OF_UNTIL]
+        one[DVX] += ax * late
+        one[DVY] += ay * late
 
 
 @inlined
@@ -112,14 +130,6 @@ def speed_on(el: Any, x: float, y: float, vx: float, vy: float) -> Any:
     """Return the speed along a surface."""
     nx, ny = normal_of(el, x, y)
     return vy * nx - vx * ny
-
-
-@inlined
-def unknown(slopes: Any, columns: int, width: int) -> None:
-    """Know no derivatives any more: through a slide on a flipper that turns they are not carried."""
-    for k in range(columns):
-        one = behind(slopes, width * k)
-        one[DX] = one[DY] = one[DVX] = one[DVY] = NAN
 
 
 @inlined
@@ -179,6 +189,64 @@ def slid_by(slopes: Any, columns: int, width: int, last: int, state: Any, clock:
         return force * nx, force * ny - g
     off_surface(slopes, columns, width, (nx, ny, bend), speed, force, 1.0 if on == surface + OFF else 0.0)
     return force * nx, force * ny - g
+
+
+@inlined
+def ahead_of(one: Any, surface: int, t: float, table: Any) -> Any:
+    """Return by how much what is at a surface is ahead: a flipper that has turned more."""
+    number = gate_under(surface, table)
+    if number < 0:
+        return one[AHEAD]
+    own = behind(one, OF_GATES + EACH * number)
+    _turned, rate, by_turned, by_until = motion_at(gate_of(number, table), t)
+    return (by_turned * own[OF_TURNED] + by_until * own[OF_UNTIL]) / rate if rate != 0.0 else 0.0
+
+
+@inlined
+def moves_on(one: Any, surface: int, later: float, clock: float, t: float, table: Any) -> Any:
+    """Return by how much later the motion of a flipper that turns from ``clock`` on changes, which it does at t.
+
+    Where it stops that is earlier by what it is ahead; where its button is released, by how much later that is.
+    """
+    number = gate_under(surface, table)
+    if number < 0:
+        return -later
+    gate = gate_of(number, table)
+    turned, rate, _by_turned, _by_until = motion_at(gate, clock)
+    end, top = clock + t, turned + rate * t
+    released = rate > 0.0 and rate * abs(gate[UNTIL] - end) < abs(gate[STROKE] - top)
+    return behind(one, OF_GATES + EACH * number)[OF_UNTIL] if released else -later
+
+
+def ridden_along(
+    slopes: Any, columns: int, width: int, last: int, state: Any, clock: float, found: Any, table: Any
+) -> Any:  # fmt: skip
+    """Carry derivatives along a slide on a flipper that turns, and off it; return the acceleration on it.
+
+    The other ball leaves the end of the side later, or the flipper moves on otherwise under it: with a normal force
+    until then.
+    """
+    x, y, vx, vy = state
+    (surface, owner, t, _flags, on), _before, _after, _speeds = found
+    (row, _way, omega), (s, q, nx, ny) = begun(x, y, vx, vy, last, clock, table)
+    g, size = table[GRAVITY], row[SIZE]
+    there, rate, mx, my = ridden(s, q, nx, ny, omega, g, t)
+    force = g * my - omega * (2.0 * rate + omega * size)
+    for k in range(columns):
+        one = behind(slopes, width * k)
+        later = ahead_of(one, last, clock, table)
+        turn = omega * later
+        ds, dq = one[DY] * nx - one[DX] * ny - size * turn, one[DVY] * nx - one[DVX] * ny + omega * s * turn
+        ds, dq = ridden_by(ds, dq, turn, nx, ny, omega, g, t)
+        along, away = ds + size * turn, -there * turn
+        beside, off = dq - omega * there * turn, -omega * ds - (rate + omega * size) * turn
+        if owner < 0 and on == last:
+            off += force * moves_on(one, last, later, clock, t, table)
+        elif on == surface + OFF and rate != 0.0:
+            off -= force * ds / rate
+        one[DX], one[DY] = along * -my + away * mx, along * mx + away * my
+        one[DVX], one[DVY] = beside * -my + off * mx, beside * mx + off * my
+    return force * mx, force * my - g
 
 
 def loosened(

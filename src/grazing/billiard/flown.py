@@ -182,9 +182,11 @@ def played_flights(
             raise UserCodeError(f"the reset law {law.name} returned {last[AFTER]:g} for v_minus = {last[BEFORE]:g}")
         gate, t = int(last[OWNER]) - gates, float(now[0] + last[TIME])
         if gate >= 0 and t <= until:
-            if press_at(table, gate, t, last, pressed):
-                block = block_played(table, pressed)
+            said = press_at(table, gate, t, last, pressed)
+            block = block_played(table, pressed) if said else block
             shut = through(block, last, t, now)
+            if said and now[1] % 1.0 == RIDES:  # the flipper may turn back under it: an impact
+                now[1] -= RIDES
             going = True
         if once and not np.isnan(last[BEFORE]):
             break

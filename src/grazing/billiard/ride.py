@@ -9,12 +9,12 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import count_of, element, gap_of, holds, normal_of, width_of
+from grazing.billiard.elements import bend_of, count_of, element, gap_of, holds, normal_of, width_of
 from grazing.billiard.flippers import LONG, OWNER, PX, PY, REACH, SIZE, TIP
 from grazing.billiard.gaps import EPS, GAP, safe_step
 from grazing.billiard.hit import first_turning, pose
 from grazing.billiard.rows import GRAVITY
-from grazing.billiard.slide import HITS, LEAVES, ONTO, WAITS, onto
+from grazing.billiard.slide import HITS, LEAVES, ONTO, WAITS, onto, pressing
 from grazing.billiard.swept import horizon
 from grazing.billiard.turning import normal_at
 from grazing.kernel.elementary import sincos
@@ -51,6 +51,19 @@ def ridden(s: float, q: float, nx: float, ny: float, omega: float, g: float, t: 
     new = s * rise + t * (q * run - g * t * (c * nx - z * d * ny))
     rate = q * rise + t * (omega * omega * s * run - g * (b * nx - z * c * ny))
     return new, rate, cosine * nx - sine * ny, sine * nx + cosine * ny
+
+
+@inlined
+def ridden_by(s: float, q: float, turn: float, nx: float, ny: float, omega: float, g: float, t: float) -> Any:
+    """Return (s, q) after a time of small changes of them, while the flipper is ahead by a small ``turn``.
+
+    The normal is that at the begin; it turns ahead, too: s'' = omega^2 s + gamma n_y turn.
+    """
+    z = omega * t
+    a, b, c, d = quarters(z)
+    rise, run = a + z * z * c, b + z * z * d
+    new = s * rise + t * (q * run + turn * g * t * (c * ny + z * d * nx))
+    return new, q * rise + t * (omega * omega * s * run + turn * g * (b * ny + z * c * nx))
 
 
 @inlined
@@ -138,7 +151,9 @@ def ride(x: float, y: float, vx: float, vy: float, surface: int, clock: float, t
         if foot <= width and rate <= 0.0:
             el = element(surface, clock + t, table)
             hub = onto(surface, el, state[0], state[1], nx, ny, -way, clock + t, table)
-            return (max(hub, surface if hub < 0 else hub), ONTO if hub >= 0 else LEAVES, t, flags), state
+            bend = bend_of(element(hub, clock + t, table)) if hub >= 0 else 0.0
+            on = hub >= 0 and pressing(nx, ny, bend, q + omega * size, g) > 0.0
+            return (hub if hub >= 0 else surface, ONTO if on else LEAVES, t, flags), state
         step, hit = around(surface, own, t, clock, state, 2.0 * (g + spin * (2.0 * fast + spin * size)), table)
         if hit >= 0:
             return (hit, HITS, t, flags), state

@@ -11,26 +11,15 @@ from typing import Any
 
 import numpy as np
 
-from grazing.billiard.carried import AHEAD, DVX, DVY, DX, DY, EACH, OF_GATES, OF_TURNED, OF_UNTIL, next_carried
+from grazing.billiard.carried import DVX, DVY, DX, DY, EACH, OF_GATES, OF_TURNED, OF_UNTIL, ahead_of, next_carried
 from grazing.billiard.gates import STROKE, UNTIL, WAY, gate_of, gate_under, motion_at, moved, own_copy, pivot_of
 from grazing.billiard.hit import slope_of, spot_at, way_at
 from grazing.billiard.rows import LENGTH
-from grazing.kernel.primitives import behind, inlined, numbers, replaced
+from grazing.kernel.primitives import behind, numbers, replaced
 from grazing.maps.collide import Kernels, arrived, arriving, departing, gone, kernels_of, velocity
 from grazing.outcome import AMBIGUOUS, DIVERGED, ESCAPED, FATAL, GRAZE
 
 NAN = float("nan")
-
-
-@inlined
-def ahead_of(one: Any, surface: int, t: float, table: Any) -> Any:
-    """Return by how much what is hit is ahead: a flipper that has turned more."""
-    number = gate_under(surface, table)
-    if number < 0:
-        return one[AHEAD]
-    own = behind(one, OF_GATES + EACH * number)
-    _turned, rate, by_turned, by_until = motion_at(gate_of(number, table), t)
-    return (by_turned * own[OF_TURNED] + by_until * own[OF_UNTIL]) / rate if rate != 0.0 else 0.0
 
 
 @lru_cache(maxsize=32)
