@@ -51,6 +51,19 @@ def test_unknown_arithmetic_is_refused():
         compiled(outer, "quick")
 
 
+def test_digest_is_that_of_python_without_docstrings():
+    """``python -OO`` numbers all constants anew, and compiled every kernel with a docstring again."""
+    source = 'def f(x):\n    """{}"""\n    if x > 1.5:\n        return None\n    return [x, {}]\n'
+
+    def of(text, constant="2.0", optimize=0):
+        scope = {}
+        exec(compile(source.format(text, constant), "f.py", "exec", optimize=optimize), scope)
+        return digest(scope["f"])
+
+    assert of("Say.") == of("Say more.") == of("Say.", optimize=2)
+    assert of("Say.") != of("Say.", "-2.0") != of("Say.", "2")
+
+
 def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():
     def make(text):
         scope = {}

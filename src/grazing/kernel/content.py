@@ -67,8 +67,14 @@ def below(function: FunctionType) -> list[FunctionType]:
 def global_names(code: CodeType) -> frozenset[str]:
     """Return the global names of a function; not those behind a dot, which may only look like one."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    own = {op.argval for op in instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
     return frozenset(own.union(*(global_names(const) for const in inner)))
+
+
+@lru_cache(maxsize=4096)
+def instructions(code: CodeType) -> tuple[dis.Instruction, ...]:
+    """Return the instructions of a function, without those that do nothing themselves."""
+    return tuple(op for op in dis.get_instructions(code) if op.opname not in ("EXTENDED_ARG", "NOP"))
 
 
 def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
@@ -122,11 +128,17 @@ def text(module: str) -> str:
 
 @lru_cache(maxsize=4096)
 def coded(code: CodeType) -> Any:
-    """Return what the code of a function does, without the file and the lines that it stands in."""
-    consts = [coded(c) if isinstance(c, CodeType) else (type(c).__name__, _said(c)) for c in code.co_consts]
-    return (code.co_code.hex(), consts, code.co_names, code.co_varnames, code.co_freevars)
+    """Return what the code of a function does, without the file and the lines that it stands in, and its docstring.
+
+    Constants stand where they are used: ``python -OO`` has none in the docstring's place, and numbers all others anew.
+    """
+    steps = [(op.opcode, _said(op.argval) if op.opcode in dis.hasconst else op.arg) for op in instructions(code)]
+    return (steps, code.co_names, code.co_varnames, code.co_freevars)
 
 
-def _said(constant: Any) -> str:
-    """Return the repr of a constant; that of a set of texts has another order in every process."""
-    return repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else repr(constant)
+def _said(constant: Any) -> Any:
+    """Return what a constant is; a set of texts has another order in every process."""
+    if isinstance(constant, CodeType):
+        return coded(constant)
+    said = repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else repr(constant)
+    return (type(constant).__name__, said)
