@@ -90,7 +90,7 @@ def test_it_leaves_a_flipper_that_turns_away_where_nothing_presses_it_on():
 
 def test_what_is_in_its_way_as_it_slides_it_hits():
     table = swings(more=[gz.disc("post", (1.0, 1.4), 0.15, gz.newton(1.0))], times=(0.6, 3.0))
-    flights = flights_of(table, (1.1, 0.6, 0.0, 0.0), 0.0, 4.0)
+    flights = flights_of(table, (1.1, 0.6, 0.0, 0.0), 0.0, 4.0, 5)
     (k, *_) = (k for k in rides_of(flights) if flights[k, OWNER] == 1.0)
     assert hypot(flights[k, LAST] - 1.0, flights[k, LAST + 1] - 1.4) == pytest.approx(0.25, abs=1e-12)
     assert flights[k, TIME] > 0.01 and flights[k + 1, LEFT] % 1.0 == 0.0 and flights[k, AFTER] == -flights[k, BEFORE]

@@ -44,8 +44,8 @@ def said(page):
 @pytest.mark.parametrize(
     "fragment",
     [
-        "view=ball&omega=0.001",
-        "view=ball&omega=0.001&ball=0.3:0:0",
+        "view=ball&omega=0.001&columns=20",
+        "view=ball&omega=0.001&columns=20&ball=0.3:0:0",
         "view=oscillator&flow_transient=100000&columns=4&bins=20&flow_starts=1",
         "view=oscillator&omega=0.001&columns=8&bins=20&reduced=no",
     ],

@@ -153,7 +153,7 @@ class Bounces:
 
     @cached_property
     def _flat_normals(self) -> Floats:
-        return np.stack([self.e[1], -self.e[0]]) * self.sign
+        return np.asarray(np.stack([self.e[1], -self.e[0]]) * self.sign)
 
     def velocities(self, x: Floats) -> tuple[Floats, Floats]:
         """Return the velocities just after and just before the impacts of unknowns (..., 2n), (..., 2, n) each."""
@@ -179,8 +179,8 @@ class Bounces:
         F[:, :n] = along
         slope = np.zeros((k, n))
         if self.energy is None:
-            for j, (law, bend) in enumerate(self._laws):
-                F[:, n + j], slope[:, j] = away[:, j] - law(coming[:, j]), bend(coming[:, j])
+            for at, (law, bend) in enumerate(self._laws):
+                F[:, n + at], slope[:, at] = away[:, at] - law(coming[:, at]), bend(coming[:, at])
         else:
             F[:, n:] = 0.5 * dot(w, w) + self.g * p[:, 1] - self.energy
         # velocities change with (u_i, u_next, tau_i) and with (u_last, u_i, tau_last)
