@@ -141,10 +141,10 @@ function refresh() {
     refresh();
   });
   try {
-    fail(false);
+    $("main").classList.toggle("failed", (failed = false));
     render();
   } catch (error) {
-    fail(true);
+    $("main").classList.toggle("failed", (failed = true)); // no frame stands empty
     problem(`The picture could not be made: ${wordsOf(error)}.`, "picture");
     console.error(error);
     // neither words nor picture of another state
@@ -153,12 +153,6 @@ function refresh() {
     first?.say(`No picture: ${wordsOf(error)}.`);
     if (first) first.canvas.dataset.stage = "failed";
   }
-}
-
-/** Whether there is no picture: then no frame stands empty. @param {boolean} now */
-function fail(now) {
-  failed = now;
-  $("main").classList.toggle("failed", now);
 }
 
 function render() {

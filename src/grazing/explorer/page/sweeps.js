@@ -7,9 +7,6 @@ import { linspace } from "./jobs.js";
 export const SWEEP = { values: 300, transient: 120, keep: 16 };
 const KEPT = SWEEP.keep;
 
-/** How dark it is where the two ways differ, of ink. */
-const SHADE = 0.13;
-
 /** Positions nearer than this share of all that were taken are the same. */
 const SAME = 3e-4;
 
@@ -53,7 +50,7 @@ export class Sweeps {
     c.fillStyle = shown.paper;
     c.fillRect(box.x, box.y, box.w, box.h);
     c.globalAlpha = 1;
-    c.fillStyle = faded(shown.ink, SHADE);
+    c.fillStyle = faded(shown.ink, 0.13);
     for (const [from, to] of this.differ()) c.fillRect(axes.x(from) - 1, box.y, axes.x(to) - axes.x(from) + 2, box.h);
     for (const [way, colour, size] of /** @type {["up" | "down", string, number][]} */ ([["up", shown.accent, 5], ["down", shown.graze, 2.5]])) {
       c.fillStyle = colour;
