@@ -37,6 +37,18 @@ def test_many_small_populations_are_as_right_as_their_error_says():
     assert abs(found.rate - np.log(3.0)) < 2.5 * found.error < 0.03
 
 
+def apart(x, p):
+    """Two rooms, [0, 1] and [1, 2], that no orbit changes: at each step a tenth leaves the one, a 20th the other."""
+    y, room = 20.0 * (x[0] % 1.0), x[0] // 1.0
+    return (room + y % 1.0,), 0, ESCAPED if y < 2.0 - room else 0
+
+
+def test_a_decay_that_still_slows_down_is_in_the_error():
+    """After 40 steps a tenth of those that stay is in the room of the faster decay: the rate was off by 15 errors."""
+    found = gz.escape_rate(gz.Map(apart, box=((0.0, 2.0),), name="apart"), threads=1)
+    assert 0.002 < found.rate + np.log(0.95) < 2.0 * found.error < 0.01
+
+
 def tent(x, p):
     """A tent of slope 3 over [0, 1], from below and above which everything escapes."""
     y = 3.0 * min(x[0], 1.0 - x[0])
