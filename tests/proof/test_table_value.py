@@ -59,6 +59,14 @@ def test_a_post_is_touched_where_geometry_has_it(scale):
     assert distance == pytest.approx(0.2, abs=1e-12) and low < high
 
 
+def test_the_object_is_touched_that_the_parameter_moves():
+    """Another one, which it does not move, is nearer to the way of the ball."""
+    nearer = gz.disc("nearer", (2.5, 0.695), 0.19, gz.newton(0.5))
+    (orbit,) = found(gz.table([*posted(0.71).objects, nearer]), "ABC")
+    low, high = enclosed(orbit, "gr", "post.y")
+    assert low <= 0.7 <= high
+
+
 def test_the_values_are_those_of_branches():
     """A fold, a doubling and a pair on the unit circle, of three orbits."""
     (orbit, *_others) = found(bowl(r=0.8, V=0.262), "(bowl)", period=3)

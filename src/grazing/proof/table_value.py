@@ -6,7 +6,7 @@ What the checker demands of the curve, its ends and the dip is in grazing_checke
 from __future__ import annotations
 
 from collections.abc import Iterator
-from math import hypot
+from math import hypot, inf
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -34,6 +34,8 @@ from grazing_checker.table import BITS, NUMBERS, Dip, Table
 Point = list[arb]
 #: So near, in sizes of the orbit, is a touch; and so far from it, as part of its time in the flight, another one.
 TOUCH, AGAIN = 1e-12, 1e-6
+#: Share of the parameter's size over which the change of heights is looked at.
+AHEAD = 1e-6
 #: The stretch of a dip is halved so often, beginning with a quarter of its flight.
 HALVINGS = 60
 
@@ -136,13 +138,30 @@ class TableSearch(Along):
         if was is None:
             if not lows:
                 raise NotProven("no flight of the orbit comes near to an object that it might touch")
-            self.low = min(lows, key=lambda one: abs(one.distance))
+            self.low = self._next(x, lows)
         else:
             same = [one for one in lows if one[:3] == was[:3]]
             if not same:
                 raise NotProven("the dip that was to touch an object vanishes; give an orbit nearer to the graze")
             self.low = min(same, key=lambda one: abs(float(one.time - was.time)))
         return self.low.height
+
+    def _next(self, x: Point, lows: list[Low]) -> Low:
+        """Return the dip that touches, or will first along the parameter as the heights change there."""
+        touching = [one for one in lows if abs(one.distance) < TOUCH * self.equations.length]
+        if touching:
+            return touching[0]
+        ahead = self._guess(x, self._tangent(x), arb(AHEAD * self.unit(x)))
+        then = list(lows_of(self.equations.problem.legs(ahead), ahead[: self.equations.size]))
+
+        def way(one: Low) -> float:
+            same = [two for two in then if two[:3] == one[:3]]
+            if not same:
+                return inf
+            moved = min(same, key=lambda two: abs(float(two.time - one.time))).height - one.height
+            return abs(float(one.height)) / abs(float(moved)) if moved != 0 else inf
+
+        return min(lows, key=lambda one: (way(one), abs(one.distance)))
 
 
 def lows_of(table: Table, x: Point) -> Iterator[Low]:
