@@ -15,7 +15,8 @@ from grazing.orbits.survey import PHASE, SLOPE, V_MINUS, Family, extremum, surve
 
 #: Roots are matched from one value to the next if none moves farther than this part of the smallest gap.
 MOVE = 0.3
-#: Part of the span, as far as it is not wider than so many natural sizes, at which halving stops. Nearer to a fold the zeros of G drown in rounding; the extremum does not.
+#: Part of the span, as far as it is not wider than so many natural sizes, at which halving stops. Nearer to a fold the
+#: zeros of G drown in rounding; the extremum does not.
 FINEST, WIDEST = 1e-10, 1e4
 #: Zeros on either side of a cell that can be halved no further are the same within this phase.
 NEAR = 0.01
