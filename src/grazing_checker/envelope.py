@@ -110,7 +110,8 @@ def _read(source: str | Path) -> str:
         return content.decode()
     except (OSError, TypeError, ValueError) as error:
         reason = getattr(error, "strerror", None) or error
-        named = repr(str(source) if isinstance(source, Path) else source)
+        plain = str(source) if isinstance(source, Path) else source
+        named = repr(plain) if isinstance(plain, (str, bytes)) else f"a value of type {type(source).__name__}"
         raise Rejected(f"no certificate can be read from {named}: {reason}; give its path or the document") from None
 
 

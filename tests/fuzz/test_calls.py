@@ -468,6 +468,7 @@ LOOPED["a"] = LOOPED
         lambda: gz.config.toml_of(LOOPED),
         lambda: gz.theory.cycle_expansion([], per=np.zeros(2)),
         lambda: gz.plot.density(HOLDS_ITSELF),
+        lambda: gz.check_certificate(10**5000),
     ],
 )
 def test_arrays_in_the_place_of_a_word_and_what_holds_itself_are_refused(call):

@@ -326,3 +326,13 @@ def test_a_speed_that_vanishes_takes_no_other_test_along():
 )
 def test_default_spans(name, span):
     assert windows(gz.pinball(), name, N=1, samples=2).attrs["span"] == pytest.approx(span)
+
+
+@pytest.mark.parametrize(("name", "span"), [("d", (-1e9, 1e9)), ("V", (0.0, 1e12))])
+def test_windows_do_not_depend_on_how_wide_the_range_is(name, span):
+    """Cells were halved down to a part of the range: in wide ones folds were invented, and windows not seen at all."""
+    model = gz.pinball(d=0.12, V=0.4)
+    found, expected = gz.windows(model, name, N=3, span=span), gz.windows(model, name, N=3, span=(0.0, 1.0))
+    for end in ("low", "high"):
+        np.testing.assert_allclose(found[end], expected[end], rtol=1e-12)
+        assert found[f"{end}_type"].values.tolist() == expected[f"{end}_type"].values.tolist()

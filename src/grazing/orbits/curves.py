@@ -15,8 +15,9 @@ from grazing.orbits.survey import PHASE, SLOPE, V_MINUS, Family, extremum, surve
 
 #: Roots are matched from one value to the next if none moves farther than this part of the smallest gap.
 MOVE = 0.3
-#: Part of the span at which halving stops. Nearer to a fold the zeros of G drown in rounding; the extremum does not.
-FINEST = 1e-10
+#: Part of the span, as far as it is not wider than so many natural sizes, at which halving stops. Nearer to a fold the
+#: zeros of G drown in rounding; the extremum does not.
+FINEST, WIDEST = 1e-10, 1e4
 #: Zeros on either side of a cell that can be halved no further are the same within this phase.
 NEAR = 0.01
 
@@ -121,7 +122,7 @@ def survivors(a: NDArray[np.float64], b: NDArray[np.float64]) -> list[tuple[int,
     return [(i, j) for i, j in pairs if away[i, j] < NEAR and int(np.argmin(away[:, j])) == i]
 
 
-def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
+def curves(family: Family, values: NDArray[np.float64], size: float) -> list[Curve]:
     """Return every zero of the closing equation over a span as curves.
 
     Parameters
@@ -130,6 +131,8 @@ def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
     values : ndarray, shape (n,)
         Increasing. Cells are halved where zeros appear, disappear or move too far to be told apart; what can be
         missed is a pair of zeros that is born and dies within one cell.
+    size : float
+        A natural size of what varies.
     """
     table, counts = survey(family, values)
     nodes = [(float(value), table[i, : counts[i]]) for i, value in enumerate(values)]
@@ -138,7 +141,7 @@ def curves(family: Family, values: NDArray[np.float64]) -> list[Curve]:
     current = [Curve(family, Edge(nodes[0][0], "end", "span"), [nodes[0][0]], [row]) for row in nodes[0][1]]
     todo = nodes[:0:-1]
     here = nodes[0]
-    smallest = FINEST * float(values[-1] - values[0])
+    smallest = FINEST * min(float(values[-1] - values[0]), WIDEST * size)
     while todo:
         there = todo[-1]
         cell = here[0], there[0]

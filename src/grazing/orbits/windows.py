@@ -144,7 +144,7 @@ def windows(
     periods = checked_periods(N)
     for n in periods:
         for family in families(model, n, name):
-            for curve in curves(family, values):
+            for curve in curves(family, values, model.unit_of(name)):
                 for low_end, high_end in stable_intervals(curve):
                     phases = phase_of(curve, low_end), phase_of(curve, high_end)
                     found.append((n, low_end, high_end, PIECES[family.law], phases))
