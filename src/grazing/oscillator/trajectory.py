@@ -126,8 +126,9 @@ def trajectory(
     if isinstance(model, Rig):
         refuse_late(start, "start", model.period)
     else:  # on one clock throughout
-        periodic = isinstance(model, System) and model.period is not None
-        within = min(until - start, model.span) if periodic else until - start
+        within = until - start
+        if isinstance(model, System) and model.period is not None:
+            within = min(within, model.span)
         for name, time in (("start", start), ("until", until)):
             refuse_late(time, name, within, COARSE)
     if isinstance(model, Follows):
