@@ -1,6 +1,6 @@
 """Certificates of the oscillator, one of every kind, and ways to change them."""
 
-from copy import copy
+from copy import deepcopy
 from functools import cache
 
 import grazing as gz
@@ -153,11 +153,10 @@ def at(value, place):
 
 
 def changed(document, path, new):
-    """The document with one value replaced by what ``new`` makes of it; the rest is not copied."""
-    if not path:
-        return new(document)
-    other = copy(document)
-    other[path[0]] = changed(document[path[0]], path[1:], new)
+    """The document with one value replaced by what ``new`` makes of it."""
+    other = deepcopy(document)
+    place = at(other, path[:-1])
+    place[path[-1]] = new(place[path[-1]])
     return other
 
 
