@@ -158,7 +158,7 @@ def test_a_wall_above_0_leaves_basins_and_ball(shown, address):
     shown.page.click("#controls details summary")
     shown.page.fill("input[type=number][name=sigma]", "0.2")
     shown.until("() => explorer.state().sigma === 0.2 && explorer.state().ball[0] === 0.2")
-    assert shown.problem() == "" and "Thrown from (0.200000, 0.100000)" in said(shown)
+    assert shown.problem() == "" and "Thrown from (0.2, 0.1)" in said(shown)
 
 
 def test_words_of_the_ball(shown, address):

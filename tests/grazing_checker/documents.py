@@ -155,6 +155,8 @@ def at(value, place):
 def changed(document, path, new):
     """The document with one value replaced by what ``new`` makes of it."""
     other = deepcopy(document)
+    if not path:
+        return new(other)
     place = at(other, path[:-1])
     place[path[-1]] = new(place[path[-1]])
     return other
