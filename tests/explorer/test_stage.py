@@ -41,7 +41,8 @@ AT_REST = """() => new Promise((tell) => {
 })"""
 #: Pictures and buttons that all controls lie over, and tabs that their line cuts.
 COVERED = """() => {
-  const box = (e) => e.getBoundingClientRect(), seen = (s) => [...document.querySelectorAll(s)].filter((e) => e.checkVisibility());
+  const box = (e) => e.getBoundingClientRect();
+  const seen = (s) => [...document.querySelectorAll(s)].filter((e) => e.checkVisibility());
   const top = box(document.querySelector("#controls")).top, line = box(document.querySelector("header"));
   return [...seen(".view :is(figure, button)").filter((e) => box(e).bottom > top),
     ...seen("nav > *").filter((e) => box(e).bottom > line.bottom || box(e).right > line.right)].map((e) => e.outerHTML);
