@@ -39,6 +39,14 @@ AT_REST = """() => new Promise((tell) => {
   const look = () => (left-- > 0 ? requestAnimationFrame(look) : tell(where() === before));
   look();
 })"""
+#: Pictures and buttons that all controls lie over, and tabs that their line cuts.
+COVERED = """() => {
+  const box = (e) => e.getBoundingClientRect();
+  const seen = (s) => [...document.querySelectorAll(s)].filter((e) => e.checkVisibility());
+  const top = box(document.querySelector("#controls")).top, line = box(document.querySelector("header"));
+  return [...seen(".view :is(figure, button)").filter((e) => box(e).bottom > top),
+    ...seen("nav > *").filter((e) => box(e).bottom > line.bottom || box(e).right > line.right)].map((e) => e.outerHTML);
+}"""
 #: The sizes of letters in the pictures that are seen, in CSS pixels: what is written is measured as it is drawn.
 DRAWN = """async () => {
   const sizes = [], write = CanvasRenderingContext2D.prototype.fillText;
@@ -73,6 +81,7 @@ def test_before_a_room_nothing_is_smaller_than_24_pixels(browser, address, view)
     for more in (False, True):
         if more:
             shown.page.click("#more")
+            assert shown.page.evaluate(COVERED) == []
         size, whose = shown.page.evaluate(SMALLEST)
         assert size >= 24, whose
     shown.page.click("#more")
@@ -128,6 +137,9 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown) and shown.page.evaluate("() => document.activeElement.id") == "present"
     shown.page.keyboard.press("P")
     assert presenting(shown) and shown.pixels("strip") != before
+    shown.page.click("#more")
+    assert shown.page.evaluate(COVERED) == []
+    shown.page.click("#more")
     box = shown.page.locator("#ball-diagram").bounding_box()
     shown.page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)
     shown.page.mouse.wheel(0, -200)

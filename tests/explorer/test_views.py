@@ -440,7 +440,14 @@ def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
 
 
 def test_a_state_of_the_basins_is_thrown(shown, address):
-    shown.open(f"{address}#version=2&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20&columns=20")
+    shown.open(f"{address}#version=2&view=ball&columns=20")
+    shown.page.evaluate(
+        "() => { const chart = explorer.views.chart, told = []; chart.told = told; const done = chart.done; "
+        "chart.done = () => (told.push(chart.summary().map(each => each.text)), done()); }"
+    )
+    shown.open(f"{address}#version=2&view=chart&chart=basins&offset=0.1225&chart_columns=20&chart_rows=20")
+    first, *_, last = shown.page.evaluate("() => explorer.views.chart.told")
+    assert first[0].endswith("so far:") and sum("%" in text for text in first) == 2 and "so far" not in last[0]
     box = shown.page.locator("#chart").bounding_box()
     shown.page.mouse.click(box["x"] + 0.5 * box["width"], box["y"] + 0.3 * box["height"])
     shown.until("() => location.hash.includes('ball=')")

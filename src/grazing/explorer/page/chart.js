@@ -187,10 +187,10 @@ export class ChartView {
     for (const step of STEPS) {
       await Promise.all(cells(every(xs.length, step), every(ys.length, step)));
       if (!batch.live()) return;
+      if (step === 1) this.canvas.dataset.stage = "done";
+      this.paint();
+      this.done(); // after each grid: its shares are estimates of those of the next
     }
-    this.canvas.dataset.stage = "done";
-    this.paint();
-    this.done();
   }
 
   /** When the picture was begun. */ #begun = 0;
@@ -349,7 +349,7 @@ export class ChartView {
     const plan = /** @type {Plan} */ (this.plan);
     const all = this.attractors();
     const cells = all.reduce((total, each) => total + each.cells, 0);
-    const said = /** @type {import("./state.js").Line[]} */ ([{ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach:` }]);
+    const said = /** @type {import("./state.js").Line[]} */ ([{ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach${this.canvas.dataset.stage === "computing" ? ", so far" : ""}:` }]);
     for (const each of all.slice(0, 12)) {
       const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
       said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture`, exact: place });
