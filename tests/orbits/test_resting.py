@@ -99,6 +99,10 @@ def test_a_ball_that_lies_on_a_moving_wall_is_not_followed():
     for name in ("A.cos1", "A.sin1", "omega"):
         with pytest.raises(gz.InputError, match="rests on a wall when its map looks at it"):
             continuation(P, orbit, name, (0.5 * P.params[name], 1.5 * P.params[name]))
+    branch = continuation(P, orbit, "offset", (-2.0, -1.4))  # which does not move the wall
+    assert not branch.special and np.ptp(branch.dataset.offset.values) == pytest.approx(0.6)
+    with pytest.raises(gz.InputError, match="and sigma moves that wall"):
+        continuation(P, orbit, "sigma", (-0.6, -0.3))
 
 
 # ---- between walls
