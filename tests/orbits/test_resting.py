@@ -88,6 +88,8 @@ def test_an_orbit_that_is_released_elsewhere_is_refused():
     )  # fmt: skip
     with pytest.raises(gz.InputError, match="it cannot be followed"):
         continuation(orbit.map, moved, "d", (-0.5, 0.0))
+    with pytest.raises(gz.InputError, match="at phase 0 only"):
+        continuation(orbit.map, orbit, "phase", (0.0, 1.0))
 
 
 def test_a_ball_that_lies_on_a_moving_wall_is_not_followed():
