@@ -62,6 +62,7 @@ def test_digest_is_that_of_python_without_docstrings():
 
     assert of("Say.") == of("Say more.") == of("Say.", optimize=2)
     assert of("Say.") != of("Say.", "-2.0") != of("Say.", "2")
+    assert of("Say.", "g(a=x)") != of("Say.", "g(b=x)")  # was the same: a kernel was taken for another one
 
 
 def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():

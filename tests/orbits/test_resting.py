@@ -88,6 +88,8 @@ def test_an_orbit_that_is_released_elsewhere_is_refused():
     )  # fmt: skip
     with pytest.raises(gz.InputError, match="it cannot be followed"):
         continuation(orbit.map, moved, "d", (-0.5, 0.0))
+    with pytest.raises(gz.InputError, match="at phase 0 only"):
+        continuation(orbit.map, orbit, "phase", (0.0, 1.0))
 
 
 def test_a_ball_that_lies_on_a_moving_wall_is_not_followed():
@@ -99,6 +101,10 @@ def test_a_ball_that_lies_on_a_moving_wall_is_not_followed():
     for name in ("A.cos1", "A.sin1", "omega"):
         with pytest.raises(gz.InputError, match="rests on a wall when its map looks at it"):
             continuation(P, orbit, name, (0.5 * P.params[name], 1.5 * P.params[name]))
+    branch = continuation(P, orbit, "offset", (-2.0, -1.4))  # which does not move the wall
+    assert not branch.special and np.ptp(branch.dataset.offset.values) == pytest.approx(0.6)
+    with pytest.raises(gz.InputError, match="and sigma moves that wall"):
+        continuation(P, orbit, "sigma", (-0.6, -0.3))
 
 
 # ---- between walls

@@ -23,9 +23,9 @@ def test_equal_exponents_are_both_seen():
 
 
 def test_starts_without_exponents_are_counted():
-    """Where all orbits ended the axes were empty without a word."""
+    """Where all orbits ended the axes were empty without a word; many maps have no wall that they could touch."""
     result = results.lyapunov(starts=3)
-    assert plot.lyapunov(result)["note"].get_text() == "1 of 360 starts have none: they ended, or touched the wall"
+    assert plot.lyapunov(result)["note"].get_text() == "1 of 360 starts have none: they ended or have no derivative"
     assert plot.lyapunov(results.lyapunov(infinite=False))["note"] is None
 
 

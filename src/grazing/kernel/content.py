@@ -132,7 +132,11 @@ def coded(code: CodeType) -> Any:
 
     Constants stand where they are used: ``python -OO`` has none in the docstring's place, and numbers all others anew.
     """
-    steps = [(op.opcode, _said(op.argval) if op.opcode in dis.hasconst else op.arg) for op in instructions(code)]
+    consts = code.co_consts  # not op.argval, which does not know the names of keywords
+    steps = [
+        (op.opcode, _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg)
+        for op in instructions(code)
+    ]
     return (steps, code.co_names, code.co_varnames, code.co_freevars)
 
 

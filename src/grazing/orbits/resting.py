@@ -224,10 +224,12 @@ def resting_equations(P: Map, names: tuple[str, ...], points: Floats, spans: Any
     ------
     InputError
         For an orbit that is not released where it was released before: with several windows in which the forcing
-        presses the ball down it can go from one to another.
+        presses the ball down it can go from one to another. For the phase of the map.
     """
     model = model_of(P)
     assert model is not None
+    if "phase" in names:
+        raise InputError("the orbit rests on the wall, and is followed at phase 0 only; vary a parameter of the model")
     p = np.array([model.params[name] for name in names])
     for release in range(len(model.walls) * (2 * model.harmonics + 1)):
         equations = RestEquations(model, names, release, spans)

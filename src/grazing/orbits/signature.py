@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.maps.map import Map
 from grazing.orbits.contacts import (
     left_walls,
     model_of,
@@ -28,12 +29,14 @@ from grazing.orbits.piece_letters import letters_from, one_sided
 from grazing.orbits.piece_orbit import PieceOrbit
 from grazing.orbits.resting import resting_equations
 from grazing.oscillator.trajectory import trajectory
-from grazing.outcome import CHATTER, STUCK, InputError
+from grazing.outcome import CHATTER, STUCK, InputError, listed
 
 Floats = NDArray[np.float64]
 
 #: A ball that is so near to a wall, in sizes of the map's box, and as fast to that part of a speed, lies on it.
 LYING = 1e-12
+#: Share of a parameter by which it is changed, towards 0, to see whether that moves a wall.
+ASIDE = 2.0**-20
 
 
 def equations_of(orbit: Orbit, names: tuple[str, ...], spans: Any = None) -> tuple[Equations, Floats]:
@@ -99,22 +102,34 @@ def _rested(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations
             return resting_equations(P, names, orbit.points, spans), np.zeros(1)
     except InputError:  # it lies throughout, or is released elsewhere
         pass
-    if _lies(orbit):
+    if _lies(orbit, names):
         raise InputError(
-            "the orbit rests on a wall when its map looks at it, at the edge of what that is a map of: it cannot be "
+            f"the orbit rests on a wall when its map looks at it, and {listed(names)} moves that wall: it cannot be "
             "followed; take another phase if it is released at one, or scan the parameter with gz.orbit_diagram"
         )
     return mapped(orbit, names, spans)
 
 
-def _lies(orbit: Orbit) -> bool:
-    """Whether the ball is on a wall and as fast at a point of an orbit: on one side of that state there is no other."""
+def _lies(orbit: Orbit, names: tuple[str, ...]) -> bool:
+    """Whether the ball is on a wall, and as fast, that parameters move: on one side of that state there is no other."""
     P, model = orbit.map, model_of(orbit.map)
     assert model is not None
+    here = _on_walls(P)
+    moves = np.zeros(len(here), bool)
+    for name in names:
+        value = P.params[name]
+        there = _on_walls(P.replace(**{name: (1.0 - ASIDE) * value if value else ASIDE * model.unit_of(name)}))
+        moves |= (there != here).any(axis=1)
     size = np.array([high - low for low, high in P.box])
-    walls = [on_wall(model, j, P.params["phase"]) for j in range(len(model.walls))]
-    apart = np.abs(orbit.points[:, None] - np.array(walls)[None])
-    return bool((apart < LYING * size).all(axis=2).any())
+    lies = (np.abs(orbit.points[:, None] - here[None]) < LYING * size).all(axis=2).any(axis=0)
+    return bool((lies & moves).any())
+
+
+def _on_walls(P: Map) -> Floats:
+    """Return the states (walls, 2) of balls that lie on the walls when the map looks."""
+    model = model_of(P)
+    assert model is not None
+    return np.array([on_wall(model, j, P.params["phase"]) for j in range(len(model.walls))])
 
 
 def mapped(orbit: Orbit, names: tuple[str, ...], spans: Any) -> tuple[Equations, Floats]:

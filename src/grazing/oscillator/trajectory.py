@@ -97,8 +97,8 @@ def trajectory(
         ends there), *diverged*; *certified* only where it says how its gaps are rounded, else *numerical*. On a table
         in place of the rates the velocities along the normal, and ``exit``, the drain through which the ball left, or
         away; then the outcome is *escaped*. *stays for ever* is that of a ball that rests, or slides to and fro, and
-        *too many impacts* that of one after a million; *bounces too small to tell apart* that of one on a flipper that
-        turns.
+        *too many impacts* that of one after a million, or one that is jammed; *bounces too small to tell apart* that of
+        one on a flipper that turns.
 
     Raises
     ------

@@ -86,7 +86,7 @@ def lyapunov(
         unit = unit_of(result[variable])
         ax.set_ylabel(f"{which} per {'step' if per == 'step' else 'unit of time'}{unit}")
         lost = int(np.isnan(greatest).sum())
-        none = f"{lost:,} of {greatest.size:,} starts have none: they ended, or touched the wall" if lost else ""
+        none = f"{lost:,} of {greatest.size:,} starts have none: they ended or have no derivative" if lost else ""
         beside = None
         entries = _entries(count, starts, bool(bands), infinite)
         if legend and entries:

@@ -188,7 +188,7 @@ class Search(Along):
             if not dips:
                 raise NotProven("the orbit has no dip between its impacts that could touch a wall")
             was = self.dip
-            if was is None:  # the one that touches; else the lowest, of an orbit beyond its graze the one that was
+            if was is None:  # the one that touches; else the lowest, beyond a graze the one that has touched
                 near = TOUCH * sizes_of(self.equations.model)[0]
                 touching = [dip for dip in dips if float(abs(dip.height)) < near]
                 self.dip = min(touching or dips, key=lambda dip: float(dip.height))
