@@ -7,6 +7,7 @@ import pytest
 
 import grazing as gz
 from grazing.cli import main
+from grazing.orbits import word_windows
 from grazing.outcome import InputError
 
 SHAKE = gz.Forcing(omega=1.0, sin=(1.0,), cos=())
@@ -86,12 +87,16 @@ def test_a_graze_names_its_wall():
     assert str(found.low_wall[at].values) == "A" and str(found.low_status[at].values) == "zero"
 
 
-def test_a_stiffness_and_its_default_range():
+def test_a_stiffness_and_its_default_range(monkeypatch):
+    flights = []
+    fly = word_windows.simulated
+    monkeypatch.setattr(word_windows, "simulated", lambda *call: flights.append(call) or fly(*call))
     inverted = gz.Oscillator(
         alpha=0.1, stiffness=-0.25, forcing=gz.Forcing(omega=2.0, cos=(1.5,)),
         walls=[gz.wall(x, gz.newton(0.8)) for x in (-1.0, 1.0)],
     )  # fmt: skip
-    found = gz.windows(inverted, "A.r", 1, samples=2, words="AB")
+    found = gz.windows(inverted, "A.r", (1, 2), samples=2, words="AB")
+    assert len(flights) == 2  # once a value, for all periods
     assert found.attrs["span"] == [0.0, 1.0] and (found.low <= found.high).all()
 
 

@@ -53,6 +53,7 @@ def test_doubled_words_exist_where_the_closed_form_says(N, lam, l):
     ("lam", "l", "span"),
     [
         (0.9, 0.0, None),
+        (0.9, 0.0, (-1.0, 0.9)),
         (0.9, 0.4, None),
         (0.6, 0.05, None),
         (0.3, 0.7, None),
@@ -123,6 +124,14 @@ def test_a_span_cuts_windows():
     ((low, high, low_type, high_type),) = theory.word_windows("LLR", 0.8, 1.0, (0.5, 0.6))
     assert (low, high, low_type, high_type) == (0.5, 0.6, "end", "end")
     assert theory.word_windows("LLR", 0.8, 1.0, (2.0, 3.0)) == ()
+
+
+def test_without_a_gap_all_points_come_to_the_border_at_once():
+    whole, cut = (theory.word_windows("LLR", 0.9, 0.0, span, stable=False) for span in (None, (-0.5, 0.9)))
+    assert cut == ((0.0, pytest.approx(whole[0].high, rel=1e-12), "gr", "bc"),)
+    assert theory.word_edges("LLR", 0.9, 0.0, (-0.5, 0.9)).gr == (0.0,)
+    # with a gap an orbit that goes on below mu = 0 has no graze there
+    assert theory.word_windows("R", 0.5, -0.3, (0.0, 1.0), stable=False) == ((0.0, 1.0, "end", "end"),)
 
 
 @pytest.mark.parametrize(

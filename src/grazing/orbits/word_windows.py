@@ -27,7 +27,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.search_flights import recorded
 from grazing.orbits.search_impacts import NOTHING, Solutions
 from grazing.orbits.search_section import GUESSES, Search, starts_of
-from grazing.orbits.search_windows import recurrences, simulated
+from grazing.orbits.search_windows import Runs, recurrences, simulated
 from grazing.orbits.word import least_rotation
 from grazing.oscillator.rig import Rig
 from grazing.outcome import InputError, shown
@@ -94,8 +94,9 @@ def word_windows(
     for share in range(values):
         value = low + (high - low) * (share + 0.5) / values
         here = P.replace(**{name: value})
+        runs = flown(here, max(periods))
         for N in periods:
-            for orbit in met(here, N, words):
+            for orbit in met(here, N, words, runs):
                 if not any(passes(branch, orbit, value) for branch in branches):
                     branches += followed(here, orbit, name, bounds)
     for branch in branches:
@@ -103,13 +104,18 @@ def word_windows(
     return distinct(found, ALIKE * (high - low))
 
 
-def met(P: Map, N: int, words: Sequence[str]) -> list[ImpactOrbit]:
+def flown(P: Map, longest: int) -> Runs:
+    """Fly random starts, long enough for guesses of up to so many periods."""
+    model = P.walled
+    assert model is not None
+    return simulated(P, starts_of(Search(P, model, (longest,), STARTS, SEED, None, None), P), longest, None)
+
+
+def met(P: Map, N: int, words: Sequence[str], runs: Runs) -> list[ImpactOrbit]:
     """Return orbits of N periods with these orders of walls: from flights of random starts, and from random guesses."""
     model = P.walled
     assert model is not None
     found = Solutions(model, Tally())
-    search = Search(P, model, (N,), STARTS, SEED, None, None)
-    runs = simulated(P, starts_of(search, P), N, None)
     window = recurrences(runs, N, STARTS)
     found.from_flights(N, recorded(model, window.points[:, 0], N, min(PER_PERIOD * N, IN_ALL)))
     wanted = [signature for word in words for signature in signatures(model, word)]

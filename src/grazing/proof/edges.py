@@ -9,7 +9,7 @@ from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.curves import wrapped
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.one_impact import one_impact_orbits
-from grazing.orbits.word_windows import met
+from grazing.orbits.word_windows import flown, met
 from grazing.oscillator.rig import Rig
 from grazing.outcome import GrazingError
 from grazing.proof.certify import Certificate
@@ -102,7 +102,10 @@ class _Edge:
 
 def _orbits(model: Rig, N: int, word: str) -> Sequence[ImpactOrbit]:
     """Return orbits of N periods: with one impact, or between walls that hit them in the order of a word."""
-    return one_impact_orbits(model.seen[0], N) if not model.walled else met(stroboscopic_map(model), N, [word])
+    if not model.walled:
+        return one_impact_orbits(model.seen[0], N)
+    P = stroboscopic_map(model)
+    return met(P, N, [word], flown(P, N))
 
 
 def _enclosed(model: Rig, name: str, edge: _Edge) -> Certificate | str:

@@ -18,6 +18,8 @@ __all__ = ["WordEdges", "WordWindow", "word_edges", "word_windows"]
 
 #: Samples of an interval between two collisions: a stable piece that lies between two of them can be missed.
 SAMPLES = 32
+#: Part of the greatest mu of a search that is next to 0.
+NEXT = 1e-9
 
 
 class WordEdges(NamedTuple):
@@ -158,7 +160,8 @@ def both_windows(
         return _left_windows(word, lam, low, high, True), _left_windows(word, lam, low, high, False)
     edges = _edges(word, lam, l, low, high)
     cuts = {kind: [(mu, kind) for mu in getattr(edges, kind)] for kind in edges._fields}
-    every = [(low, "gr" if low == 0.0 else "end"), *sorted(chain(*cuts.values())), (high, "end")]
+    ends = [(mu, "gr" if mu == 0.0 and _at_zero(word, lam, l, high - low) else "end") for mu in (low, high)]
+    every = [ends[0], *sorted(chain(*cuts.values())), ends[1]]
     if root_length(word) < len(word):  # the doubling is where it begins, and it is never stable
         return (), _where(word, lam, l, every, False)
     kept = [cut for cut in every if cut[1] != "pd"]
@@ -227,7 +230,7 @@ def _edges(word: str, lam: float, l: float, low: float, high: float) -> WordEdge
         return WordEdges((), (), (), ())
     if "L" not in word and high == math.inf:  # C = mu - l alone decides: 0, 3/4 and 1
         return WordEdges((l,), (), (l + 0.75,), ()) if word == "R" else WordEdges((l + 1.0,), (), (l + 0.75,), ())
-    first = max(low, 1e-9 * high) if low >= 0.0 else low
+    first = max(low, NEXT * high) if low >= 0.0 else low
     if not first < high:
         return WordEdges((), (), (), ())
     met: dict[str, list[float]] = {"L": [], "R": []}
@@ -236,12 +239,23 @@ def _edges(word: str, lam: float, l: float, low: float, high: float) -> WordEdge
         if word[j] == "L" and lam > 0.0 and word[(j + 1) % len(word)] == "L" and first > 0.0:
             continue
         met[word[j]] += collisions(word, j, lam, l, first, high)
+    if low < 0.0 < high and "L" in word and _at_zero(word, lam, l, high - low):
+        met["R"].append(0.0)
     grazes, borders = (tuple(sorted(found)) for found in (met["R"], met["L"]))
     if length < len(word):
         return WordEdges(grazes, borders, word_edges(half, lam, l, (low, high)).pd, ())
     changes = _changes(word, lam, l, sorted({first, *grazes, *borders, high}))
     doublings, folds = (tuple(sorted(mu for mu, kind in changes if kind == one)) for one in ("pd", "lp"))
     return WordEdges(grazes, borders, doublings, folds)
+
+
+def _at_zero(word: str, lam: float, l: float, scale: float) -> bool:
+    """Whether orbits begin or end at mu = 0: without a gap all their points come to 0 there, and none comes alone."""
+    if l != 0.0:
+        return False
+    tiny = NEXT * min(scale, 1.0)
+    below, above = ([one.admissible for one in word_orbits(word, lam, mu, l)].count(True) for mu in (-tiny, tiny))
+    return below != above
 
 
 def _stable(word: str, lam: float, l: float, mu: float) -> WordOrbit | None:
