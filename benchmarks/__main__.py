@@ -15,6 +15,7 @@ from .against import BadKernel, parsed
 from .chatter import FOLLOWERS, chatter, show_bounces
 from .explorer import respond, show_responses
 from .finders import FINDERS
+from .flippers import basins, flippers, show_flippers
 from .forms import forms, show_forms
 from .goals import goals
 from .measure import measure
@@ -119,12 +120,16 @@ def run(tokens: Sequence[str] | None = None) -> None:
     tell("")
     if brought:
         show_forms(out, brought)
-    balls = pinball(rounds, share, tell) if "pinball" in parts and not options.only else []
+    tables = "pinball" in parts and not options.only
+    balls = pinball(rounds, share, tell) if tables else []
+    turned = flippers(rounds, tell) if tables else []
+    ways = basins(share, tell) if tables else None
     tell("")
-    if balls:
+    if ways:
         show_pinball(out, balls)
+        show_flippers(out, turned, ways)
     if options.json is not None:
-        write(options.json, rounds, results, seen, bounces, costs, responses, brought, balls)
+        write(options.json, rounds, results, seen, bounces, costs, responses, brought, balls, turned, ways)
 
 
 def main(tokens: Sequence[str] | None = None) -> int:

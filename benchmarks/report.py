@@ -15,6 +15,7 @@ from typing import Any
 
 from .chatter import Chatter
 from .explorer import Response
+from .flippers import Basins, Flips
 from .forms import Brought
 from .measure import Result, beside, ratio
 from .pinball import Rate
@@ -34,6 +35,8 @@ def write(
     responses: Sequence[Response] = (),
     brought: Sequence[Brought] = (),
     balls: Sequence[Rate] = (),
+    turned: Sequence[Flips] = (),
+    ways: Basins | None = None,
 ) -> None:
     """Write everything to a JSON file; docs/benchmarks.md says what the fields mean."""
     content = {
@@ -57,6 +60,8 @@ def write(
         "explorer": [asdict(one) for one in responses],
         "forms": [asdict(one) for one in brought],
         "pinball": [asdict(one) for one in balls],
+        "flippers": [asdict(one) for one in turned],
+        "basins": asdict(ways) if ways else None,
     }
     file.write_text(json.dumps(content, indent=1) + "\n", encoding="utf-8")
 

@@ -297,3 +297,11 @@ def test_flying_along_a_wall_far_from_the_origin_it_does_not_hit_the_back_of_the
         place = end - 0.6 * along + 0.1 * up
         flights = flights_of(table, (*place.tolist(), *(end - 0.3 * along - place).tolist()), 0.0, 9.0)
         assert flights[:, OWNER].tolist() == [0.0, -1.0], seed
+
+
+@pytest.mark.parametrize(("x", "hits"), [(-1e-16, "AsA"), (1e-16, "AA")])
+def test_it_flies_by_a_face_that_begins_at_the_centre_of_the_arc_that_it_left(x, hits):
+    """That centre has no direction from itself: 0/0, of which nothing was used, but warned."""
+    objects = [gz.arc("A", (0, 0), 1.0, -0.5, 5.0, gz.newton(1.0)), *walls([((0, 0), (0.5, 0))], gz.newton(1.0))]
+    found = gz.trajectory(gz.table(objects), (x, 0.5, 0.0, 1.0), until=2.8, samples=2)
+    assert "".join(name[0] for name in found.impact_wall.values) == hits and found.trust == "certified"

@@ -152,3 +152,22 @@ def test_a_trajectory_goes_on_in_pieces_and_a_table_through_a_pickle():
     whole = gz.trajectory(table, (0.7, 1.0, 1.1, 2.9), until=8.0)
     again = gz.trajectory(pickle.loads(pickle.dumps(table)), (0.7, 1.0, 1.1, 2.9), until=8.0)
     assert whole.identical(again)
+
+
+def test_the_last_of_all_impacts_allowed_is_where_it_was(monkeypatch):
+    """Its time was that of the one before, as that of a flight without an end."""
+    monkeypatch.setattr(module, "played_flights", partial(module.played_flights, most=5))
+    found = gz.trajectory(gz.table(box(1.0, 1.0)), (0.5, 0.5, 1.0, 0.0), until=90.0, samples=2)
+    np.testing.assert_allclose(found.impact_time, [0.5, 1.5, 2.5, 3.5, 4.5])
+    assert found.outcome == "too many impacts" and found.t[-1] == 4.5
+
+
+def test_it_ends_at_the_tip_of_a_flipper_on_which_it_slid_there():
+    """It ended where that slide began."""
+    one = gz.flipper("F", (0, 0), 2.0, (0.1, 0.1), 0.0, -0.3, gz.newton(0.0), up=0.05, down=1.0)
+    table = gz.table([one], 0.1, tilt=0.5, player=gz.presses(F=[0.0]))
+    found = gz.trajectory(table, (1.9, 0.2, 0.1, 0.0), until=9.0, samples=50)
+    angle = 0.05 * float(found.t[-1])
+    assert found.outcome == "bounces too small to tell apart"
+    np.testing.assert_allclose(np.hypot(found.x[-1], found.y[-1]), np.hypot(2.0, 0.2))
+    np.testing.assert_allclose(found.y[-1], 0.2 * np.cos(angle) - 2.0 * np.sin(angle), atol=1e-12)

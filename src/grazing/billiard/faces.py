@@ -77,7 +77,8 @@ def joint(last: int, faces: int, circles: int, rows: Any, x: float, y: float, ex
     face, side = last < 2 * faces, last >= 2 * faces + circles
     row = behind(rows, WIDTH * (last // 2 if face else last - faces))
     dx, dy, size = x - row[PX], y - row[PY], row[SIZE]
-    sign, far = 2.0 * (last % 2) - 1.0 if face else (row[SIGN] if side else 1.0), sqrt(dx * dx + dy * dy)
+    sign = 2.0 * (last % 2) - 1.0 if face else (row[SIGN] if side else 1.0)
+    far = max(sqrt(dx * dx + dy * dy), e)  # a face may begin at the centre
     foot = row[EX] * dx + row[EY] * dy
     nx, ny, room = sign * row[EY], -sign * row[EX], min(foot, row[LONG] - foot)
     gap = nx * dx + ny * dy - size

@@ -275,8 +275,8 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     flights, pressed = played_flights(table, begin, start, until)
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     begins = start + np.concatenate([[0.0], np.cumsum(flights[:-1, TIME])])
-    if int(flights[-1, FLAGS]) & FATAL & ~NO_IMPACT:
-        flights[-1, TIME] = 0.0
+    if int(flights[-1, FLAGS]) & FATAL & ~NO_IMPACT and flights[-1, OWNER] < 0.0 and flights[-1, PATH] < 0.0:
+        flights[-1, TIME] = 0.0  # a flight without an end
     ends = np.minimum(begins + flights[:, TIME], until)
     each = [
         max(2, ceil(samples * (end - begin) / (until - start)) + 1) for begin, end in zip(begins, ends, strict=True)

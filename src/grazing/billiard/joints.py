@@ -34,9 +34,11 @@ def ways_at(root: Root, gap: Gap, state: tuple[float, ...], block: Floats) -> li
     x, y, vx, vy = flown(state[0], state[1], state[2], state[3], float(block[GRAVITY]), float(root.t))
     el, slack = element(gap.surface, 0.0, block), SHARE * (abs(state[0]) + abs(state[1]) + abs(x) + abs(y))
     slack += SHARE * el[7] if el[0] == 0.0 else SHARE * el[6]
+    if abs(gap_of(el, x, y)) > slack or not holds(el, x, y, slack):
+        return []
     nx, ny = normal_of(el, x, y)
     down, past = -(vx * nx + vy * ny), vy * nx - vx * ny
-    if not down > 0.0 or abs(gap_of(el, x, y)) > slack or not holds(el, x, y, slack):
+    if not down > 0.0:
         return []
     return [(way, atan2(down, -way * past)) for way in (1.0, -1.0) if to_end(el, x, y, way) > slack]
 
