@@ -96,6 +96,7 @@ def deep(state, p):
 
 space = gz.Map(deep, params={"a": 1.0}, coordinates=("x", "y", "z"), box=((0.0, 1.0),) * 3)
 bare = gz.Map(lambda state, p: (0.5 * state[0],))
+vast = gz.Map(lambda state, p: (0.5 * state[0],), params={"a": 1e308})
 
 
 def growing(state, p):
@@ -331,6 +332,7 @@ def test_diagram_chart_and_basins_of_a_map_are_those_of_python(map_machine, mapp
         ("some_map", "the map some_map is one of the library, which its own views show"),
         ("space", "the map space has 3 coordinates; the explorer shows a gz.Map of your own, of one or two"),
         ("bare", "the map bare has no parameters; the explorer shows"),
+        ("vast", "the map vast has a parameter too large or too small for a slider; the explorer shows"),
         ("none", "has no name 'none'; it has"),
     ],
 )

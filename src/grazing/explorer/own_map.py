@@ -16,6 +16,8 @@ from grazing.studies.density import density
 NAME = "map"
 #: Values of a parameter at which it is tried where orbits live, starts at each, and steps.
 TRIED, STARTS, STEPS = 121, 8, 100
+#: Sizes of a parameter whose multiples, to which sliders reach, doubles hold.
+SMALLEST, LARGEST = 1e-300, 1e300
 
 
 def checked_own_map(name: str, P: Map) -> Map:
@@ -30,6 +32,9 @@ def checked_own_map(name: str, P: Map) -> Map:
         "is one of the library, which its own views show": P.origin.replace is not None,
         f"has {P.dimension} coordinates": P.dimension > 2,
         "has no parameters": not P.params,
+        "has a parameter too large or too small for a slider": any(
+            value and not SMALLEST < abs(value) < LARGEST for value in P.params.values()
+        ),
         "spells its letters by an Alphabet": not (P.letters is None or isinstance(P.letters, str)),
     }
     for what, is_so in refused.items():
