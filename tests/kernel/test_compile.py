@@ -65,6 +65,12 @@ def test_digest_is_that_of_python_without_docstrings():
     assert of("Say.", "g(a=x)") != of("Say.", "g(b=x)")  # was the same: a kernel was taken for another one
 
 
+def test_digest_sees_what_a_function_takes():
+    """One that takes y was found again for one that takes all that follows."""
+    texts = ("lambda x, y: y", "lambda x, *y: y", "lambda x, **y: y", "lambda x, *, y: y", "lambda x, y, /: y")
+    assert len({digest(eval(text)) for text in texts}) == len(texts)
+
+
 def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():
     def make(text):
         scope = {}

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import dis
 import hashlib
+import inspect
 import math
 import os
 from collections.abc import Callable
@@ -137,7 +138,9 @@ def coded(code: CodeType) -> Any:
         (op.opcode, _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg)
         for op in instructions(code)
     ]
-    return (steps, code.co_names, code.co_varnames, code.co_freevars)
+    stars = code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
+    taken = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, stars)
+    return (steps, taken, code.co_names, code.co_varnames, code.co_freevars)
 
 
 def _said(constant: Any) -> Any:
