@@ -93,6 +93,35 @@ def test_a_view_that_is_left_gives_the_workers_back(shown, address, heavy, least
     assert shown.page.evaluate("explorer.views.gap.diagram.pool.ended") >= least
 
 
+#: The jobs that workers begin from when a search is asked, amid those of a diagram, until it is begun itself.
+BEGUN = """() => new Promise((tell) => {
+  let jobs;
+  const send = Worker.prototype.postMessage, view = explorer.views.oscillator;
+  const ask = () => {
+    jobs = [];
+    view.search.forget();
+    view.show(explorer.state());
+  };
+  Worker.prototype.postMessage = function (message, ...more) {
+    if (!jobs) setTimeout(ask);
+    jobs?.push(message.job);
+    if (jobs && message.job === "found") tell(jobs);
+    jobs ??= [];
+    return send.call(this, message, ...more);
+  };
+})"""
+
+
+def test_what_a_click_asks_waits_for_no_diagram(shown, address):
+    slow = "omega=0.2&offset=0.9&reach=0.5:1"
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=2000&bins=40&reduced=no&{slow}")
+    shown.until(
+        "() => { const view = globalThis.explorer?.views.oscillator; "
+        "return view?.diagram.stage === 'coarse' && !view.search.waiting; }"
+    )
+    assert shown.page.evaluate(BEGUN) == ["found"]
+
+
 # ---- axes of a parameter
 
 

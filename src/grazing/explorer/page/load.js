@@ -27,7 +27,7 @@ function workers(machines, { problem, again }) {
   }
   const jobs = {
     add: (/** @type {Parameters<Pool["add"]>} */ ...given) => now instanceof Pool && now.add(...given),
-    batch: (/** @type {string} */ channel) => now.batch(channel),
+    batch: (/** @type {Parameters<Pool["batch"]>} */ ...given) => now.batch(...given),
     see: (/** @type {string} */ scene) => now instanceof Pool && now.see(scene),
     get ended() {
       return now instanceof Pool ? now.ended : 0;

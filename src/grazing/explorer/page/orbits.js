@@ -49,7 +49,7 @@ export class Search {
     const key = JSON.stringify([Array.from(asked.row), { ...asked, row: null }]);
     if (key === this.#key && (!this.waiting || this.#live())) return;
     this.#key = key;
-    const batch = this.pool.batch(this.channel), begun = performance.now();
+    const batch = this.pool.batch(this.channel, true), begun = performance.now();
     this.#live = batch.live;
     const steps = (asked.starts ?? 16) * (asked.transient + (asked.keep ?? 128)) * cost;
     this.waiting = steps * this.#rate > SOON;

@@ -110,9 +110,10 @@ export class Pool {
   /**
    * Begin a batch on a channel; tasks of the batch before it that have not begun are dropped, the others ignored.
    * @param {string} channel
+   * @param {boolean} first whether it is short and asked by a hand: done before what waits already
    * @returns {Batch}
    */
-  batch(channel) {
+  batch(channel, first = false) {
     const number = (this.batches.get(channel) ?? 0) + 1;
     this.batches.set(channel, number);
     this.waiting = this.waiting.filter((task) => task.channel !== channel);
@@ -124,7 +125,7 @@ export class Pool {
       run: (machine, job, given) =>
         new Promise((resolve, reject) => {
           if (!live()) return;
-          this.waiting.push({ channel, scene, live, message: { id: this.next++, machine, job, given }, resolve, reject });
+          this.waiting[first ? "unshift" : "push"]({ channel, scene, live, message: { id: this.next++, machine, job, given }, resolve, reject });
           this.#feed();
         }),
     };
