@@ -23,6 +23,7 @@ from grazing.billiard.flown import (
     way_along,
 )
 from grazing.billiard.hit import pose
+from grazing.billiard.march import first_contact
 from grazing.billiard.turning import OFF, RIDES, normal_at
 from grazing.outcome import CHATTER, STUCK, TOO_MANY_IMPACTS
 
@@ -135,3 +136,15 @@ def test_samples_of_a_slide_on_a_flipper_that_a_strategy_moves_are_on_that():
     t, x, y = found.t.values, found.x.values, found.y.values
     rooms = [played.distances(*place)["F"] for place in zip(x, y, t, strict=True)]
     assert min(rooms) > 0.1 - 1e-9 and np.sum(np.isclose(rooms, 0.1, atol=1e-12)) > 20
+
+
+@pytest.mark.parametrize(("long", "late"), [(1.0, 1.0), (2.0**20, 2.0**-10)])
+def test_off_the_end_of_a_side_it_leaves_in_any_units(long, late):
+    """The rate of the tip's gap, a difference of squares, was held to a speed: in large units it grazed."""
+    speeds = {"up": 0.6382906053776889 / late, "down": 0.7448040755536407 / late}
+    one = gz.flipper("F", (0, 0), 2.0 * long, (0.2 * long, 0.1 * long), -0.4, 0.7, gz.newton(0.0), **speeds)
+    table = gz.table([one], 0.1 * long, long / late**2, UP, gz.flips(4.0 * late, 1.2 * late))
+    place, velocity = (1.8199122672540307, 0.8763100704078841), (0.44556452728890644, 1.4721282770486668)
+    state = (*(long * x for x in place), *(long / late * v for v in velocity))
+    found = first_contact(*state, OFF, 1.1745363630080368 * late, table.blocks(table.row(), "python")[0])
+    assert found[2] == 0

@@ -341,7 +341,9 @@ def of_flipper(
 def beside(flight: Any, kind: int, left: bool, row: Any, begin: float, piece: Any) -> Any:
     """Say whether a ball that has slid off something slid off this surface of a flipper, or off the end of it."""
     (h, dh, _k), (e, _d, _b), _at = look(0.0, flight, kind, row, begin, piece)
-    return left or ((kind != AT_TIP or piece[OMEGA] != 0.0) and touches(h, dh, e, abs(flight[2]) + abs(flight[3])))
+    unit = 2.0 * row[TIP] if kind == AT_TIP else 1.0  # that gap is the difference of two squares
+    fast = unit * (abs(flight[2]) + abs(flight[3]))
+    return left or ((kind != AT_TIP or piece[OMEGA] != 0.0) and touches(h, dh, e, fast))
 
 
 @inlined
@@ -354,14 +356,15 @@ def clear_until(flight: Any, kind: int, row: Any, begin: float, piece: Any, end:
     (dx, dy, vx, vy, g, _x, _y), omega = flight, piece[OMEGA]
     spin = abs(omega)
     w = min(end, 1.0 / spin)
-    if abs(k) > b or kind == AT_TIP:  # below 0 it is beyond the end of a side, and goes behind the line of that
-        return min(w, 0.5 * max(abs(k) - b, 0.0) / third(w, at, g, kind, row, omega))
+    clear = 0.5 * max(abs(k) - b, 0.0) / third(w, at, g, kind, row, omega)
+    if k < -b or kind == AT_TIP:  # it is beyond the end of a side, and goes behind the line of that
+        return min(w, clear)
     ux, uy, _turned = direction_at(0.0, begin, piece)
     nx, ny = normal_at(kind, ux, uy, row)
     swing = omega * (nx * dy - ny * dx) + 3.0 * (nx * vx + ny * vy)
     speed, c3 = at[0] + g * w, -omega * (omega * swing + 3.0 * g * nx)
     most = spin * spin * (6.0 * g + spin * (4.0 * speed + spin * (at[1] + speed * w)))
-    return min(w, 2.0 * max(c3, 0.0) / most)
+    return min(w, max(clear, 2.0 * max(c3, 0.0) / most))  # a second derivative above 0 only helps
 
 
 @inlined
