@@ -130,3 +130,20 @@ def test_too_many_impacts_are_refused():
     m = gz.Oscillator(0, 0, gz.Forcing(omega=1.0, cos=()), walls=(gz.wall(0.0, law), gz.wall(1e-4, law)))
     with pytest.raises(gz.InputError, match="more than 200000 impacts up to t = "):
         gz.trajectory(m, (5e-5, 10.0), until=10.0)
+
+
+@pytest.mark.parametrize("moving", [False, True])
+def test_a_ball_on_the_second_wall_but_for_rounding_hits_it_at_once(moving):
+    """Rounding put it behind the wall, and its impact was sought backwards in time."""
+    w = 1.3
+    waves = [gz.Forcing(omega=w, cos=(a,), sin=(b,)) if moving else None for a, b in ((0.12, 0.05), (0.0862, 0.0))]
+    laws = gz.newton(0.8), gz.active(0.7, 0.1)
+    walls = [gz.wall(x, law, motion=wave) for x, law, wave in zip((-0.6, 0.7), laws, waves, strict=True)]
+    model = gz.Oscillator(alpha=0.25, k=0.5, forcing=gz.Forcing(omega=w, cos=(1.0, 0.2)), walls=walls)
+    for start in (0.7068230085975923, 0.8281876103171107, 4.105031856744109):  # at which the distance is rounded down
+        u = 0.7 + (0.0862 * np.cos(w * start) if moving else 0.0)
+        for _ in range(3):
+            u = float(np.nextafter(u, 0.0))
+            flown = gz.trajectory(model, (u, 1.0), start=start, until=start + 0.4)
+            assert abs(float(flown.impact_time[0]) - start) < 1e-12 and str(flown.impact_wall[0].values) == "B"
+            assert (np.diff(flown.impact_time) > 0.0).all() and (np.diff(flown.t) >= 0.0).all()

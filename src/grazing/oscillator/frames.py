@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 
 from grazing.kernel.primitives import built, replaced, unit
 from grazing.oscillator.constants import Constants, angle, constants_of, section_phase
-from grazing.oscillator.contact import NO_LAUNCH, Ball, Launch, contact_until
+from grazing.oscillator.contact import INFINITY, NO_LAUNCH, Ball, Launch, contact_until
 from grazing.oscillator.pointed import flight_fields, flight_kind, pointed_rows
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.windows import series
+from grazing.outcome import OK
 from grazing.parameter import parameter_tuple
 
 Floats = NDArray[np.float64]
@@ -74,8 +75,9 @@ def seen_across(t: float, y: float, v: float, c: Frames) -> tuple[float, float]:
 
 
 def across(ball: Ball, c: Frames) -> Ball:
-    """Return the ball as the other wall sees it."""
+    """Return the ball as the other wall sees it: not behind it, where rounding puts one that touches it."""
     y, v = seen_across(ball.t, ball.y, ball.v, c)
+    y = max(y, 0.0)
     old = ball.launch
     launch = Launch(old.t, -old.w, -old.lift, old.late, old.off)
     error_y, error_v = ball.error_y + c.blur, ball.error_v + c.blur_w
@@ -107,7 +109,10 @@ def first_contact(ball: Ball, b: bool, c: Frames) -> tuple[bool, bool, Ball, int
     hit, end, flags, near = contact_until(ball, here.T, here)
     if not c.two:
         return hit, b, end, flags, near
-    before, other, said, low = contact_until(across(ball, c), end.t, frame_of(not b, c))
+    there = across(ball, c)
+    if there.y == 0.0 and there.v < 0.0:  # on the other wall at the strobe, but for rounding
+        return True, not b, there, OK, INFINITY
+    before, other, said, low = contact_until(there, end.t, frame_of(not b, c))
     if before:  # what was found here beyond that never comes
         _hit, _end, flags, near = contact_until(ball, other.t, here)
         return True, not b, other, flags | said, min(near, low)
