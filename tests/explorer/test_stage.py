@@ -39,13 +39,14 @@ AT_REST = """() => new Promise((tell) => {
   const look = () => (left-- > 0 ? requestAnimationFrame(look) : tell(where() === before));
   look();
 })"""
-#: Pictures and buttons that all controls lie over, and tabs that their line cuts.
+#: Pictures and buttons that all controls or the tabs lie over, and tabs that their line cuts; the tour has none.
 COVERED = """() => {
   const box = (e) => e.getBoundingClientRect();
   const seen = (s) => [...document.querySelectorAll(s)].filter((e) => e.checkVisibility());
   const top = box(document.querySelector("#controls")).top, line = box(document.querySelector("header"));
-  return [...seen(".view :is(figure, button)").filter((e) => box(e).bottom > top),
-    ...seen("nav > *").filter((e) => box(e).bottom > line.bottom || box(e).right > line.right)].map((e) => e.outerHTML);
+  return [...seen("#guide, .view :is(figure, button)").filter((e) => box(e).bottom > top || box(e).top < line.bottom),
+    ...seen("nav > *").filter((e) => line.width > 1 && (box(e).bottom > line.bottom || box(e).right > line.right))]
+    .map((e) => e.outerHTML);
 }"""
 #: The sizes of letters in the pictures that are seen, in CSS pixels: what is written is measured as it is drawn.
 DRAWN = """async () => {
