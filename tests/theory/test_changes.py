@@ -130,6 +130,9 @@ def test_without_a_gap_all_points_come_to_the_border_at_once():
     whole, cut = (theory.word_windows("LLR", 0.9, 0.0, span, stable=False) for span in (None, (-0.5, 0.9)))
     assert cut == ((0.0, pytest.approx(whole[0].high, rel=1e-12), "gr", "bc"),)
     assert theory.word_edges("LLR", 0.9, 0.0, (-0.5, 0.9)).gr == (0.0,)
+    # a zero that is a double is that double, in a span around it and in one that begins there
+    assert theory.word_windows("R", 0.5, 0.0, (-1.0, 1.0), stable=False) == ((0.0, 1.0, "gr", "end"),)
+    assert theory.word_windows("R", 0.5, 0.1, (0.1, 1.0), stable=False) == ((0.1, 1.0, "gr", "end"),)
     # with a gap an orbit that goes on below mu = 0 has no graze there
     assert theory.word_windows("R", 0.5, -0.3, (0.0, 1.0), stable=False) == ((0.0, 1.0, "end", "end"),)
 

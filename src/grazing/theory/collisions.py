@@ -105,7 +105,7 @@ def _zero(turned: str, lam: float, l: float, a: float, b: float) -> float | None
     while True:
         middle = 0.5 * (a + b)
         if not a < middle < b:
-            return b
+            return min(b, a, key=lambda mu: abs(_image(turned, lam, l, mu)))
         if (_image(turned, lam, l, middle) > 0.0) == rises:
             b = middle
         else:
