@@ -188,11 +188,12 @@ def real(value: Any, name: str, allowed: str) -> float:
     return number
 
 
-def refuse_late(time: float, name: str, period: float, most: float = LATEST) -> None:
+def refuse_late(
+    time: float, name: str, period: float, most: float = LATEST, advice: str = "take whole periods off"
+) -> None:
     """Raise InputError for a time so far from 0 that a double has no phase in a period, or in all that is followed."""
     latest = most * period
     if abs(time) > latest:
-        advice = "take whole periods off" if most == LATEST else "begin nearer to 0"
         raise InputError(
             f"{name} = {time:g}; allowed is |{name}| <= {latest:g}: beyond, doubles are too coarse for what happens "
             f"within {period:g}; {advice}"

@@ -25,6 +25,13 @@ def test_a_ball_in_a_box_is_where_unfolding_puts_it():
     assert flown.trust == "certified" and flown.outcome == "ok" and flown.exit == ""
 
 
+def test_a_flight_without_flippers_is_the_same_at_any_hour():
+    table, start = gz.table(box(1.0, 2.0)), (0.3, 0.7, 0.91e9, -0.37e9)
+    early, late = gz.trajectory(table, start, until=1e-8), gz.trajectory(table, start, 1000.0, 1000.0 + 1e-8)
+    assert (late.before.values == early.before.values).all() and late.sizes["impact"] == 9 + 2
+    assert (late.impact_time.values == 1000.0 + early.impact_time.values).all() and late.t.values[-1] == 1000.0 + 1e-8
+
+
 def test_a_ball_on_a_floor_bounces_in_geometric_times_and_rests():
     table = gz.table([gz.segment("floor", (-9, 0), (9, 0), gz.newton(0.5))], rho=0.5, tilt=pi / 2)
     flown = gz.trajectory(table, (0.0, 1.0, 0.0, 0.0), until=9.0, samples=2)

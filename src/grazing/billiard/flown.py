@@ -272,15 +272,15 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     names = "x", "y", "vx", "vy"
     begin = checked_start(state)
     table.refuse_inside(begin[0], begin[1], start)
+    clock = start if table.autonomous else 0.0  # what its times are measured from: late ones have few digits
+    start, until, end = start - clock, until - clock, until
     flights, pressed = played_flights(table, begin, start, until)
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))
     begins = start + np.concatenate([[0.0], np.cumsum(flights[:-1, TIME])])
     if int(flights[-1, FLAGS]) & FATAL & ~NO_IMPACT and flights[-1, OWNER] < 0.0 and flights[-1, PATH] < 0.0:
         flights[-1, TIME] = 0.0  # a flight without an end
     ends = np.minimum(begins + flights[:, TIME], until)
-    each = [
-        max(2, ceil(samples * (end - begin) / (until - start)) + 1) for begin, end in zip(begins, ends, strict=True)
-    ]
+    each = [max(2, ceil(samples * (to - begin) / (until - start)) + 1) for begin, to in zip(begins, ends, strict=True)]
     refuse_too_large(8 * 8 * sum(each), "choose an earlier end or fewer samples", "the trajectory")
     number = np.repeat(np.arange(len(flights)), each)
     t = np.concatenate([np.linspace(*of) for of in zip(begins, ends, each, strict=True)])
@@ -307,7 +307,11 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     return xr.Dataset(
         {
             **{name: ("t", path[name], {"long_name": f"coordinate {name}", "units": "1"}) for name in names},
-            "impact_time": ("impact", (begins + flights[:, TIME])[hits], time | {"long_name": "time of impact"}),
+            "impact_time": (
+                "impact",
+                clock + (begins + flights[:, TIME])[hits],
+                time | {"long_name": "time of impact"},
+            ),
             "v_minus": ("impact", flights[hits, BEFORE], {k: v.format("before") for k, v in speed.items()}),
             "v_plus": ("impact", flights[hits, AFTER], {k: v.format("after") for k, v in speed.items()}),
             "impact_wall": ("impact", objects, {"long_name": "object that is hit"}),
@@ -324,7 +328,7 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
             "exit": ((), way, {"long_name": "drain through which it left, or away"}),
             "trust": ((), (Trust.ambiguous if flags & AMBIGUOUS else Trust.certified).value),
         },
-        coords={"t": ("t", t, time), "coordinate": ("coordinate", list(names))},
+        coords={"t": ("t", np.where(t < until, clock + t, end), time), "coordinate": ("coordinate", list(names))},
         attrs={
             "title": f"trajectory of {table!r}",
             "grazing_outcome": flags,

@@ -222,6 +222,11 @@ class Table(ByValue):
         """Return the values of all parameters."""
         return np.array([list(self.params.values())])
 
+    @property
+    def autonomous(self) -> bool:
+        """Whether nothing depends on time: there is no flipper."""
+        return not any(one.kind == FLIPPER for one in self.objects)
+
     def trajectory(self, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
         """Follow the ball in continuous time; :func:`grazing.trajectory` calls this."""
         return table_trajectory(self, state, start, until, samples)

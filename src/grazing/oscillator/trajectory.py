@@ -39,7 +39,7 @@ from grazing.outcome import (
     describe,
     shown,
 )
-from grazing.parameter import COARSE, in_order, parameters, real, refuse_late, whole
+from grazing.parameter import COARSE, LATEST, in_order, parameters, real, refuse_late, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory
 
@@ -57,6 +57,10 @@ POINT, LEG_SIZE = 136, 800
 @runtime_checkable
 class Follows(Protocol):
     """A system of a layer above that follows itself, such as :class:`grazing.billiard.table.Table`."""
+
+    @property
+    def autonomous(self) -> bool:
+        """Whether nothing of it depends on time."""
 
     def trajectory(self, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
         """Follow it in continuous time."""
@@ -125,12 +129,13 @@ def trajectory(
         raise InputError(f"until = {until:g} is not after start = {start:g}; give until > start")
     if isinstance(model, Rig):
         refuse_late(start, "start", model.period)
-    else:  # on one clock throughout
+    else:  # on one clock throughout: that of its own flight, where nothing depends on time
         within = until - start
         if isinstance(model, System) and model.period is not None:
             within = min(within, model.span)
+        most = LATEST if isinstance(model, Follows) and model.autonomous else COARSE
         for name, time in (("start", start), ("until", until)):
-            refuse_late(time, name, within, COARSE)
+            refuse_late(time, name, within, most, "begin nearer to 0")
     if isinstance(model, Follows):
         return model.trajectory(state, start, until, samples)
     if isinstance(model, System):
