@@ -138,6 +138,13 @@ def test_all_cycles_of_the_logistic_map_are_found():
     assert all(abs(orbit.multipliers[0]) == pytest.approx(2.0**orbit.period, rel=1e-6) for orbit in inner)
 
 
+@pytest.mark.parametrize("a", [0.9, 1.1, 2.5])
+def test_an_orbit_that_repels_is_found_where_no_orbit_stays(a):
+    P = gz.Map(logistic, params={"a": a}, coordinates=("x",), box=((-2.0, 2.0),))
+    found = sorted(float(orbit.points[0, 0]) for orbit in periodic_orbits(P, 1, starts=10))
+    assert found == pytest.approx(sorted([0.0, (a - 1.0) / a]), abs=1e-12)
+
+
 def test_all_cycles_of_the_henon_map_are_found():
     # Biham and Wenzel, Phys. Rev. Lett. 63 (1989) 819: numbers of orbits of a = 1.4, b = 0.3
     P = gz.Map(henon, params={"a": 1.4, "b": 0.3}, coordinates=("x", "y"), box=((-1.5, 1.5), (-0.4, 0.4)))

@@ -153,7 +153,7 @@ class Cycles:
         return np.concatenate([z.mean(axis=1), (z * z).mean(axis=1), (z * after).mean(axis=1), (z**3).mean(axis=1)], 1)
 
     def at_random(self, N: int, low: Floats, high: Floats, count: int, seed: int) -> None:
-        """Try random points in the region where orbits go."""
+        """Try random points in a region."""
         d = len(low)
         box = np.column_stack([np.tile(low, N), np.tile(high, N)])
         self.add(np.ascontiguousarray(drawn(seed, count, box, float(N)).T).reshape(count, N, d))

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -18,7 +20,7 @@ from grazing.orbits.word import letters_of, words
 
 Floats = NDArray[np.float64]
 
-#: Guesses of each word, and most words of one period that are solved.
+#: Guesses of each word in each region, and most words of one period that are solved.
 GUESSES, WORDS = 24, 200
 #: Newton steps from a guess, and the part of a size by which differences move it.
 STEPS, MOVED = 30, 1e-6
@@ -45,8 +47,8 @@ def spelled(P: Map, period: int, letters: tuple[int, ...] | None) -> list[tuple[
 
 
 def piece_orbits(
-    P: Map, period: int, letters: tuple[int, ...] | None, known: list[Orbit], region: tuple[Floats, Floats], seed: int,
-    tally: Tally,
+    P: Map, period: int, letters: tuple[int, ...] | None, known: list[Orbit], where: Sequence[tuple[Floats, Floats]],
+    seed: int, tally: Tally,
 ) -> list[Orbit]:  # fmt: skip
     """Return the orbits of a period: those known from simulation, and what each word has from random guesses.
 
@@ -59,8 +61,8 @@ def piece_orbits(
         Of the only word that is looked for.
     known : list of Orbit
         Found on the map itself.
-    region : (low, high)
-        Where its orbits go.
+    where : sequence of (low, high)
+        Regions in which guesses are drawn.
     seed : int
     tally : Tally
         Counts.
@@ -81,15 +83,15 @@ def piece_orbits(
         own, roots = letters_from(P, orbit.points)
         equations = PieceEquations(P, (), own)
         add(equations, equations.unknowns(orbit.points, roots))
-    low, high = region
     for one in spelled(P, period, letters):
         equations = PieceEquations(P, (), one)
-        box = np.column_stack([np.tile(low, period), np.tile(high, period)])
-        guesses = drawn(seed, GUESSES, box, float(period)).T.reshape(GUESSES, period, -1)
+        boxes = [np.column_stack([np.tile(low, period), np.tile(high, period)]) for low, high in where]
+        guesses = np.hstack([drawn(seed, GUESSES, box, float(period)) for box in boxes]).T
+        guesses = guesses.reshape(len(guesses), period, -1)
         x = equations.begun(np.ascontiguousarray(guesses), nothing)
         x[::2, equations.at_roots] *= -1.0  # virtual orbits beyond a root
         solutions = solved_at_once(equations, x)
-        tally.attempts += GUESSES
+        tally.attempts += len(x)
         tally.converged += len(solutions)
         tally.signatures.add((period, period))
         for solution in distinct(solutions / equations.scale):

@@ -15,7 +15,7 @@ from grazing.orbits.word import letters_of
 if TYPE_CHECKING:
     from grazing.orbits.periodic import Searched
 
-#: Random guesses of a period.
+#: Random guesses of a period in each region.
 GUESSES = 500
 
 
@@ -32,14 +32,14 @@ class Steps(Finder):
         states = np.hstack([drawn(seed, starts - many, box, 0.0), drawn(seed, many, wide, 1.0)])
         runs = simulated(P, states, periods[-1], wanted.threads)
         tally.starts, tally.steps = runs.starts, runs.steps
-        cycles, (low, high) = Cycles(P, tally), runs.region
+        cycles, where = Cycles(P, tally), (runs.region, (box[:, 0], box[:, 1]))  # what repels may lie where none stays
         for n in periods:
             cycles.add(recurrences(runs, n, starts).points)
-            cycles.at_random(n, low, high, GUESSES, seed)
+            for low, high in where:
+                cycles.at_random(n, low, high, GUESSES, seed)
         found = [(n, cycles.orbits(n)) for n in periods]
         if P.formulas is not None:
-            where, letters = (low, high), wanted.letters
-            found = [(n, [*piece_orbits(P, n, letters, known, where, seed, tally)]) for n, known in found]
+            found = [(n, [*piece_orbits(P, n, wanted.letters, known, where, seed, tally)]) for n, known in found]
         orbits = [orbit for _n, some in found for orbit in some]
         return Looked(orbits, tally, sum(not orbit.admissible for orbit in orbits))
 
