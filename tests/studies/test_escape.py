@@ -38,15 +38,23 @@ def test_many_small_populations_are_as_right_as_their_error_says():
 
 
 def apart(x, p):
-    """Two rooms, [0, 1] and [1, 2], that no orbit changes: at each step a tenth leaves the one, a 20th the other."""
+    """Two rooms, [0, 1] and [1, 2]: at each step a tenth leaves the one, a 20th the other; all change, or none."""
     y, room = 20.0 * (x[0] % 1.0), x[0] // 1.0
-    return (room + y % 1.0,), 0, ESCAPED if y < 2.0 - room else 0
+    return (abs(p.change - room) + y % 1.0,), 0, ESCAPED if y < 2.0 - room else 0
 
 
 def test_a_decay_that_still_slows_down_is_in_the_error():
     """After 40 steps a tenth of those that stay is in the room of the faster decay: the rate was off by 15 errors."""
-    found = gz.escape_rate(gz.Map(apart, box=((0.0, 2.0),), name="apart"), threads=1)
+    found = gz.escape_rate(gz.Map(apart, {"change": 0.0}, box=((0.0, 2.0),), name="apart"), threads=1)
     assert 0.002 < found.rate + np.log(0.95) < 2.0 * found.error < 0.01
+
+
+@pytest.mark.parametrize("transient", [1, 4, 25])
+def test_a_single_step_of_a_decay_in_turns_has_its_error(transient):
+    """All are in one room, then all in the other: what leaves in a step is not what does in two, by 16 errors."""
+    P = gz.Map(apart, {"change": 1.0}, box=((0.0, 1.0),), name="apart")
+    found = gz.escape_rate(P, orbits=4000, transient=transient, steps=1, threads=1)
+    assert 0.01 < abs(found.rate + 0.5 * np.log(0.9 * 0.95)) < found.error < 0.1
 
 
 def tent(x, p):

@@ -46,7 +46,8 @@ class EscapeRate(ByValue):
         Orbits that ended otherwise than by escaping; they count neither as staying nor as escaping.
     drift : float
         By how much the rate differs where orbits count half as many steps after they were moved; or, where that is
-        more than chance, only those that were moved longer ago, or in the second half of the steps.
+        more than chance, only those that were moved longer ago, or in the second half of the steps; of a single step,
+        from that in the step before.
     """
 
     rates: Floats
@@ -122,8 +123,10 @@ def escape_rate(
     impacts only exp(-rate n) of all balls are left. A copy is moved a little, or it would do as its original does; one
     that is moved over an edge of the density, such as that of a hole, or off what never leaves, stays longer or less
     long than it should. So only orbits that were last moved some steps ago count: as many steps as leave a twentieth of
-    all, or 16. Where half as many, or clearly more, give another rate, or clearly the second half of the steps, that
-    ``drift`` is part of the error, for decays that are no exponentials, too. Copies have to part within these steps:
+    all, or 16. Where half as many, or clearly more, give another rate, or clearly the second half of the steps (of one
+    step, that before), that ``drift`` is part of the error, for decays that are no exponentials, too. Where orbits
+    change between rooms in turn the rate goes round for ever, and ``steps`` of whole rounds are needed; a single step
+    without a transient has nothing to compare with. Copies have to part within these steps:
     with a ``stir`` below some 0.01 the drift of maps that lose most orbits shows in the few that were moved the longest
     ago, if there are ``orbits`` enough to tell it from chance. Orbits are not independent; populations are. One in
     which few orbits stay then has copies of these, of which more stay than of all: a mean of logarithms of shares is
@@ -235,12 +238,13 @@ def rates_of(stayed: Floats, gone: Floats, warm: int) -> tuple[Floats, float]:
     older = np.cumsum(np.array([stayed, stayed + gone])[..., ::-1], axis=-1)[..., ::-1]
     logs = np.log(older[0, :, :, 0] / older[1, :, :, 0])
     many, steps, ages = stayed.shape
-    halves = np.zeros((2, 2, many, ages))  # of the steps
-    for k in range(warm, steps):
+    halves, alone = np.zeros((2, 2, many, ages)), steps - warm == 1  # of the steps; of one, that before and it
+    for k in range(max(0, warm - alone), steps):
         stood = logs[:, max(0, k - KEPT) : k].sum(axis=1)
         weights = np.exp(stood - stood.max())
-        halves[int(2 * k >= warm + steps)] += (weights / weights.sum())[:, None] * older[:, :, k]
-    each = halves.sum(axis=0)
+        half = int(k >= warm if alone else 2 * k >= warm + steps)
+        halves[half] += (weights / weights.sum())[:, None] * older[:, :, k]
+    each = halves[1] if alone else halves.sum(axis=0)
     share, known = each[1].sum(axis=0) / each[1, :, 0].sum(), each[0].all(axis=0)
     age = int(np.flatnonzero((share >= OLDEST) & known)[-1])
     each = each[:, :, known]  # the ages to which orbits of all populations stayed
@@ -252,8 +256,9 @@ def rates_of(stayed: Floats, gone: Floats, warm: int) -> tuple[Floats, float]:
     drift = abs(float(rate[age] - rate[age // 2]))
     if (apart > CLEARLY * noise)[age:].any():
         drift = max(drift, float((apart - noise)[age:].max()))
-    stay, both = halves[:, 0, :, age], halves[:, 1, :, age]
-    if steps - warm > 1 and stay.all():
+    shared = np.flatnonzero(halves[:, 0, :, : age + 1].all(axis=(0, 1)))
+    if len(shared):
+        stay, both = halves[:, 0, :, shared[-1]], halves[:, 1, :, shared[-1]]
         early, late = -np.log(stay.sum(axis=-1) / both.sum(axis=-1))
         by_chance = np.diff(-np.log(stay / both), axis=0).std(ddof=1) / np.sqrt(many)
         if abs(late - early) > CLEARLY * max(by_chance, np.sqrt(2.0) * float(noise[age])):
