@@ -157,10 +157,12 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
             continue
         to = element(other, clock, table)
         width = width_of(to, x, y) + width_of(el, x, y)
-        s, how, touch = INFINITY, HITS, INFINITY
+        s, how, touch, free = INFINITY, HITS, INFINITY, True
         h = gap_of(to, x, y)
-        if h <= width and h >= -DEEP * width and holds(to, x, y, width):
+        on = h <= width and h >= -DEEP * width and holds(to, x, y, width)
+        if on:
             how = touched(el, to, x, y, nx, ny, way, width)
+            free = how == STAYS
             if how == HITS and is_bare(other, to, table):  # in a corner: what it moves away from is not before it
                 fast = speed * way > 0.0 and speed * speed > 2.0 * g * DEEP * width
                 if to[0] == 0.0:
@@ -168,15 +170,19 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
                 elif fast or to_end(el, x, y, -way) <= width:
                     how = STAYS
             s = 0.0 if how != STAYS else INFINITY
-        elif el[0] == 0.0:
-            s, touch = ahead_on_line(x, y, -way * ny, way * nx, to, width)
-        else:
-            s, joint, touch = ahead_on_circle(el, x, y, way, to, width)
-            if joint < s:
-                jx, jy = along(el, x, y, way, joint)
-                mx, my = normal_of(el, jx, jy)
-                if touched(el, to, jx, jy, mx, my, way, width) == ONTO:
-                    s, how = joint, ONTO
+        if free:  # what it moves away from may come again
+            how = HITS
+            if el[0] == 0.0:
+                s, touch = ahead_on_line(x, y, -way * ny, way * nx, to, width)
+            else:
+                s, joint, touch = ahead_on_circle(el, x, y, way, to, width)
+                if joint < s:
+                    jx, jy = along(el, x, y, way, joint)
+                    mx, my = normal_of(el, jx, jy)
+                    if touched(el, to, jx, jy, mx, my, way, width) == ONTO:
+                        s, how = joint, ONTO
+            if on and s <= width:
+                s = INFINITY
         if touch < doubt:  # where both are on one side that is a joint
             jx, jy = along(el, x, y, way, touch)
             mx, my = normal_of(to, jx, jy)
