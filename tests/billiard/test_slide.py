@@ -272,3 +272,26 @@ def test_a_ball_without_a_radius_goes_on_where_the_next_surface_begins_without_a
     first, second = (flights[k] for k in np.flatnonzero(flights[:, PATH] >= 0.0)[:2])
     height = [0.5 * hypot(*one[LAST + 2 : NEXT]) ** 2 + one[LAST + 1] for one in (first, second)]
     assert second[TIME] > 0.1 and second[PATH] != first[PATH] and height[0] == pytest.approx(height[1], rel=1e-12)
+
+
+@pytest.mark.parametrize("rho", [0.0, 0.1])
+@pytest.mark.parametrize("r", [1.0, 0.75])
+def test_it_comes_to_the_other_side_of_what_it_slides_away_from(r, rho):
+    """A floor across a dome, a lid across a bowl, a post in a ring: one surface at both ends of a way along another."""
+    dome = [gz.segment("floor", (-2, 0), (2, 0), DEAD), gz.arc("wall", (0, 0), 2.0, 0.0, pi, gz.newton(r))]
+    flown = gz.trajectory(gz.table(dome, rho, tilt=UP), (0.0, rho, 1.0, 0.0), until=20.0)
+    far, keeps = sqrt((2.0 - rho) ** 2 - rho**2), 1.0 - (1.0 + r) * (1.0 - (rho / (2.0 - rho)) ** 2)
+    times = np.cumsum([far, *(2.0 * far / abs(keeps) ** k for k in range(1, 9))])
+    walls = flown.impact_time.values[flown.impact_wall.values == "wall"]
+    assert walls == pytest.approx(times[times < 20.0], rel=1e-12) and abs(flown.x.values).max() < far + 1e-12
+
+    half = sqrt(1.5**2 - 0.3**2)
+    lid = gz.segment("lid", (-half, -0.3), (half, -0.3), gz.newton(r))
+    bowl = gz.table([lid, gz.arc("bowl", (0, 0), 1.5, pi, 2.0 * pi, DEAD)], rho, tilt=UP)
+    flown = gz.trajectory(bowl, (0.0, rho - 1.5, 2.0, 0.0), until=20.0)
+    assert flown.y.values.max() < -0.3 - rho + 1e-12 and (flown.impact_wall.values == "lid").sum() > 4
+
+    ring = [gz.disc("post", (1.1, 0.0), 0.3, gz.newton(r)), gz.arc("ring", (0, 0), 1.5, 0.0, 2.0 * pi, DEAD)]
+    flown = gz.trajectory(gz.table(ring, 0.1), (0.0, -1.4, 1.0, 0.0), until=60.0)
+    assert np.hypot(flown.x - 1.1, flown.y).values.min() > 0.4 - 1e-12
+    assert flown.outcome == "ok" and (flown.impact_wall.values == "post").sum() >= 2

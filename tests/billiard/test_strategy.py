@@ -93,6 +93,63 @@ def test_a_ball_that_slides_into_a_zone_is_seen_once():
     assert len(flown.attrs["presses"]["L"]) == 2 and flown.exit.item() == "out"
 
 
+def questions(things, gates, start, until=60.0, said=False):
+    """Return what a strategy is asked about a ball of radius 0.1 under g = 1, and how that ends."""
+    asked = []
+
+    def flip(state, _p):
+        asked.append(state)
+        return said
+
+    far = [
+        gz.flipper(name, (90.0, y), 0.9, 0.1, -0.5, 0.6, LAW, **STROKE) for name, y in zip(gates, (3, 9), strict=False)
+    ]
+    T = gz.table([*things, *far], rho=0.1, tilt=0.5 * np.pi, player=gz.strategy(flip, gates, 0.2))
+    flown = gz.trajectory(T, start, until=until, samples=2)
+    assert flown.trust.item() == "certified"
+    return asked, flown
+
+
+@pytest.mark.parametrize("names", ["L", "LR"])
+def test_a_ball_that_turns_round_on_a_slide_is_asked_at_each_way_through_each_gate(names):
+    """A gate was shut until the end of a slide; two on one line asked for ever on a slide, one in a flight."""
+    dead, (c, s) = gz.newton(0.0), np.array([2.0, 1.0]) / np.sqrt(5.0)
+    at = np.array([1.0 - 0.1 * s, 0.5 + 0.1 * c])  # on a slope, one along it from a gate
+    slope, gate = gz.segment("slope", (0, 0), (9, 4.5), dead), ((at[0] + c, -9.0), (at[0] + c, 9.0))
+    asked, _ = questions([slope], dict.fromkeys(names, gate), (*at, 1.2 * c, 1.2 * s), until=6.0)
+    v = np.sqrt(1.2**2 - 2.0 * s)
+    each = [(at[0] + c, at[1] + s, way * v * c, way * v * s) for way in (1.0, -1.0) for _name in names]
+    np.testing.assert_allclose(asked, each, rtol=0, atol=1e-12)
+
+    bowl, level = [gz.arc("bowl", (0, 0), 1.1, np.pi, 2.0 * np.pi, dead)], ((-3.0, -0.6), (3.0, -0.6))
+    asked, _ = questions(bowl, dict.fromkeys(names, level), (0.0, -1.0, 1.0, 0.0), until=9.0)
+    assert [np.sign(x) for x, *_ in asked] == [way for way in (1, 1, -1, -1, 1, 1) for _name in names]
+
+    ring, short = [gz.arc("ring", (0, 0), 1.1, 0.0, 2.0 * np.pi, dead)], ((0.5, 0.0), (1.5, 0.0))
+    asked, _ = questions(ring, dict.fromkeys(names, short), (0.0, -1.0, 3.0, 0.0), until=7.0)  # once around in 2.42
+    assert len(asked) == 3 * len(names)
+    asked, _ = questions([], dict.fromkeys(names, level), (0.0, -1.0, 0.1, 2.0))
+    assert len(asked) == 2 * len(names)
+
+
+def test_a_gate_holds_nothing():
+    """A ball at rest on a slope where a gate or a drain is stayed there for ever; one that rises to a gate does not."""
+    slope, at = (
+        gz.segment("slope", (0, 0), (4, 2), gz.newton(0.0)),
+        np.array([2.0, 1.0]) + 0.1 * np.array([-1, 2]) / 5**0.5,
+    )
+    gate = ((at[0], -9.0), (at[0], 9.0))
+    asked, flown = questions([slope], {"L": gate}, (*at, 0.0, 0.0))
+    assert asked == [(*at, 0.0, 0.0)] and flown.outcome == "escaped"
+    drained = gz.trajectory(
+        gz.table([slope, gz.drain("out", *gate)], 0.1, tilt=0.5 * np.pi), (*at, 0.0, 0.0), until=1.0
+    )
+    assert drained.exit.item() == "out"
+    for high, times in ((2.0 - 2.0**-52, 2), (2.0, 0)):  # by less than doubles tell
+        asked, _ = questions([], {"L": ((-3.0, high), (3.0, high))}, (0.0, 0.0, 0.3, 2.0))
+        assert len(asked) == times
+
+
 def test_launches_are_those_of_trajectories():
     T, angle, speed = table(lambda s, p: s[2] > 0.0 and p["tilt"] == 0.5), [0.4, 1.1], [0.5, 1.5]
     found = gz.launches(T, (3.0, 8.5), angle, speed, hits=60)

@@ -13,10 +13,10 @@ from typing import Any
 from grazing.billiard.contact import SLIDES, jammed, next_event, slid_on
 from grazing.billiard.elements import bend_of, element, normal_of
 from grazing.billiard.flippers import SIZE
-from grazing.billiard.gates import STROKE, UNTIL, asked, gate_of, gate_under, motion_at, shut
+from grazing.billiard.gates import STROKE, UNTIL, asked, gate_of, gate_under, motion_at, opened, passed_at, shut
 from grazing.billiard.hit import away_of, met, period_of
 from grazing.billiard.ride import begun, ridden, ridden_by
-from grazing.billiard.rows import FLIPPERS, GRAVITY
+from grazing.billiard.rows import FACES, FLIPPERS, GRAVITY
 from grazing.billiard.slide import pressing
 from grazing.billiard.swing import swung_by
 from grazing.billiard.turning import OFF, ON, RIDES
@@ -41,7 +41,7 @@ def next_carried(
     Where there are gates, ``table`` is the ball's own. So many ``columns`` of ``slopes``, each ``width`` numbers, are
     carried along to just before the impact.
     """
-    t, flags, still, gates, closed, long, end = 0.0, 0, 0.0, away_of(table), -1, 0.0, 0.0
+    t, flags, still, gates, closed, end = 0.0, 0, 0.0, away_of(table), False, 0.0
     ax, ay, g = 0.0, -table[GRAVITY], table[GRAVITY]
     for _ in range(SLIDES):
         last, now = slid_on(left, clock + t, table), clock + t
@@ -49,11 +49,10 @@ def next_carried(
             loosened(slopes, columns, width, int(left), x, y, vx, vy, now, table)
         found = next_event(x, y, vx, vy, left, now, table)
         (surface, owner, length, said, on), before, after, _speeds = found
-        if closed >= 0:  # a gate that a slide has just passed
-            shut(closed, long, table)
-            closed = -1
         t, end = t + length, now + length
         through = owner >= gates
+        if closed:
+            closed = opened(owner, surface, after[0], after[1], table)
         flags |= said & ~ESCAPED if through else said
         ax, ay = 0.0, -g
         if columns > 0 and not said & FATAL:
@@ -77,16 +76,21 @@ def next_carried(
         x, y, vx, vy = before
         rides = left == last + RIDES
         slides = -1 if rides else last
-        answer = crossed(owner - gates, surface, (x, y, vx, vy), slides, end, table, slopes, columns, width)
-        if answer < 0:
-            return (surface, -1, t, flags | BAD_LAW, on), before, after, found[3], (ax, ay)
-        if last < 0:
-            left = 1.0 * (surface ^ 1)
-        else:
-            if rides and answer == 1:  # the flipper may turn back under it: an impact
+        for i in range(int(table[FACES])):
+            side = passed_at(i, surface, x, y, vx, vy, table)
+            if side < 0:
+                continue
+            number = element(side, end, table)[1] - gates
+            answer = crossed(number, side, (x, y, vx, vy), slides, end, table, slopes, columns, width)
+            if answer < 0:
+                return (surface, -1, t, flags | BAD_LAW, on), before, after, found[3], (ax, ay)
+            if rides and answer == 1 and number == gate_under(last, table):  # it may turn back: an impact
                 left = 1.0 * last
-                pushed_on(slopes, columns, width, owner - gates, ax, ay + g)
-            closed, long = surface, shut(surface, -1.0, table)
+                pushed_on(slopes, columns, width, number, ax, ay + g)
+            shut(side, table)
+        closed = True
+        if last < 0:
+            left = -1.0
     return (-1, -1, t, flags | TOO_MANY_SWINGS, left), (x, y, vx, vy), (x, y, vx, vy), found[3], (ax, ay)
 
 

@@ -25,6 +25,7 @@ from grazing.billiard.rows import (
     MX,
     MY,
     OWNER,
+    PASSED,
     PX,
     PY,
     SIGN,
@@ -73,13 +74,22 @@ def element(surface: int, clock: float, table: Any) -> Any:
         return 0.0, int(row[OWNER]), x, y, nx, ny, row[SIZE], row[LONG]
     if surface < 2 * faces:
         row, sign = behind(rows, WIDTH * (surface // 2)), 2.0 * (surface % 2) - 1.0
-        nx, ny, back = sign * row[EY], -sign * row[EX], row[LONG] * (1.0 - surface % 2)
+        long = row[LONG] if row[LONG] >= 0.0 else abs(row[PASSED])
+        nx, ny, back = sign * row[EY], -sign * row[EX], long * (1.0 - surface % 2)
         x, y = row[PX] + row[SIZE] * nx + back * row[EX], row[PY] + row[SIZE] * ny + back * row[EY]
-        return 0.0, int(row[OWNER]), x, y, nx, ny, row[SIZE], row[LONG]
+        return 0.0, int(row[OWNER]), x, y, nx, ny, row[SIZE], long
     row = behind(rows, WIDTH * (surface - faces))
     if surface >= 2 * faces + circles:
         return row[SIGN], int(row[OWNER]), row[PX], row[PY], row[MX], row[MY], row[SIZE], row[COSINE]
     return 1.0, int(row[OWNER]), row[PX], row[PY], 0.0, 0.0, row[SIZE], -2.0
+
+
+@inlined
+def is_passed(surface: int, table: Any) -> Any:
+    """Say whether a surface is the side of a gate on which a ball came that has just gone through that."""
+    if surface < 0 or surface >= 2 * int(table[FACES]):
+        return False
+    return behind(rows_of(table), WIDTH * (surface // 2))[PASSED] * (2.0 * (surface % 2) - 1.0) > 0.0
 
 
 @inlined

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from grazing.billiard.faces import at_sunk, beside_face, body_of, closing, end_of_arc, face_corner, slack_of, sunk
 from grazing.billiard.gaps import DEEP
+from grazing.billiard.hit import away_of
 from grazing.billiard.joints import at_joints, bare
 from grazing.billiard.march import beside_circle, side_corner
 from grazing.billiard.roots import (
@@ -48,6 +49,7 @@ from grazing.billiard.rows import (
     MX,
     MY,
     OWNER,
+    PASSED,
     PX,
     PY,
     SIDES,
@@ -84,6 +86,11 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             ex, ey = exact(row[EX]), exact(row[EY])
             off, foot = ey * dx - ex * dy, ex * dx + ey * dy
             within = foot, fmpq_poly([exact(row[LONG])]) - foot
+            if row[LONG] < 0.0:  # it has just gone through that gate, and may go back
+                side, sign = (0, -1) if row[PASSED] > 0.0 else (1, 1)
+                within = foot, fmpq_poly([exact(abs(row[PASSED]))]) - foot
+                yield made(2 * i + side, owner, sign * off, within, True, spread, scale)
+                continue
             bare, slack = left >= 0 and left // 2 != i and row[SIZE] == 0.0, slack_of(row, x0, y0)
             corner, way, shut = False, 0.0, False
             if bare:
@@ -230,7 +237,7 @@ def _first(
         elif not root.t > best.t:
             if not last and not same(root, best):
                 raise Undecided
-            if root.gap.owner != best.gap.owner:
+            if root.gap.owner != best.gap.owner and min(root.gap.owner, best.gap.owner) < away_of(block):
                 flags |= AMBIGUOUS
             best = min(best, root, key=lambda one: one.gap.owner)
     if any(one.t < best.t for one in touches):

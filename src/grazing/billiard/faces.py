@@ -9,7 +9,7 @@ from math import floor, sqrt
 from typing import Any
 
 from grazing.billiard.gaps import DEEP, EPS, GAP, face_crossing, face_root, rests, touches
-from grazing.billiard.rows import COSINE, EX, EY, LONG, MX, MY, OWNER, PX, PY, SIGN, SIZE, WIDTH
+from grazing.billiard.rows import COSINE, EX, EY, LONG, MX, MY, OWNER, PASSED, PX, PY, SIGN, SIZE, WIDTH
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.outcome import AMBIGUOUS, FATAL, INSIDE_WALL, OK, STUCK
 
@@ -379,11 +379,30 @@ def of_other_faces(
         row = behind(rows, WIDTH * i)
         along, face = (x - row[PX], y - row[PY]), (row[EX], row[EY], row[SIZE], row[LONG])
         end, left = found[1] + found[2], 2.0 * i
+        if row[LONG] < 0.0:  # it has just gone through that gate
+            found = through_gate(found, i, along, (vx, vy), g, row)
+            continue
         if found[0] // 2 == i or passes(along, (vx, vy), face, g, left, left + 1.0, 1.0 * last, end, far):
             continue
         if not found[4] & STOP:
             found = of_face(found, x, y, vx, vy, g, last, slid, i, faces, circles, rows)
     return found
+
+
+@inlined
+def through_gate(found: Any, i: int, along: Any, v: Any, g: float, row: Any) -> Any:
+    """Return when a ball goes back through a gate on whose line it begins, or what was found before that."""
+    (dx, dy), (vx, vy), ex, ey, long = along, v, row[EX], row[EY], abs(row[PASSED])
+    sign = -1.0 if row[PASSED] > 0.0 else 1.0
+    rate, bend = sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
+    e, d = GAP * EPS * spread_of(dx, dy, 0.0, long), GAP * EPS * (abs(vx) + abs(vy))
+    t, late, said = face_crossing(0.0, rate, bend, e, d, True)
+    if said & STUCK:  # at once, if it turns round there
+        t, late, said = max(rate, 0.0) / -bend, d / -bend, AMBIGUOUS
+    on, unsure = on_face(t, late, along, v, (ex, ey, 0.0, long), g, found[1] + found[2], 0.0)
+    if on:
+        found = nearer(found, 2 * i + (0 if sign < 0.0 else 1), row[OWNER], t, late)
+    return found[0], found[1], found[2], found[3], found[4] | said | unsure
 
 
 @inlined

@@ -11,12 +11,13 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.billiard.contact import SLIDES, flight_to, jammed, next_event, slid_on
-from grazing.billiard.elements import slid
+from grazing.billiard.elements import element, is_passed, slid
 from grazing.billiard.exact import exact_contact
+from grazing.billiard.gates import gate_under, opened, passed_at, shut
 from grazing.billiard.players import Presses
 from grazing.billiard.ride import carried_to
 from grazing.billiard.roots import Undecided
-from grazing.billiard.rows import HEAD, LONG, THING, THINGS, WIDTH
+from grazing.billiard.rows import FACES
 from grazing.billiard.strategy import Strategy
 from grazing.billiard.turning import RIDES
 from grazing.kernel.compile import call, compiled
@@ -168,25 +169,32 @@ def played_flights(
     What was ``pressed`` before, and the surface just left, if any; ``once``: up to the first impact.
     """
     gates, pressed = len(table.objects), {} if pressed is None else pressed
-    block = block_played(table, pressed)
-    now, found, hits, idle, jam, fast, going, shut = np.array([start, left, *state]), [], 0, 0, 0, 0.0, True, None
+    block, passed = block_played(table, pressed), list[int]()
+    now, found, hits, idle, jam, fast, going = np.array([start, left, *state]), [], 0, 0, 0, 0.0, True
     while going:
-        many = most - hits if shut is None and not once else 1
-        flights, going = followed(block if shut is None else shut, now, until, many)
+        flights, going = followed(block, now, until, 1 if passed or once else most - hits)
         found.append(flights)
-        last, shut, met = flights[-1], None, np.flatnonzero(~np.isnan(flights[:, BEFORE]))
+        last, met = flights[-1], np.flatnonzero(~np.isnan(flights[:, BEFORE]))
         if int(last[FLAGS]) & BAD_LAW:
             law = table.objects[int(last[OWNER])].law
             assert law is not None
             checked_velocity(law, float(last[BEFORE]), law.params)
             raise UserCodeError(f"the reset law {law.name} returned {last[AFTER]:g} for v_minus = {last[BEFORE]:g}")
-        gate, t = int(last[OWNER]) - gates, float(now[0] + last[TIME])
-        if gate >= 0 and t <= until:
-            said = press_at(table, gate, t, last, pressed)
-            block = block_played(table, pressed) if said else block
-            shut = through(block, last, t, now)
-            if said and now[1] % 1.0 == RIDES:  # the flipper may turn back under it: an impact
-                now[1] -= RIDES
+        if passed:
+            opened(int(last[OWNER]), int(last[SURFACE]), *last[LAST : LAST + 2], block)
+            passed = [side for side in passed if is_passed(side, block)]
+        t = float(now[0] + last[TIME])
+        if last[OWNER] >= gates and t <= until:
+            through(last, t, now)
+            sides = [passed_at(i, int(last[SURFACE]), *last[LAST:NEXT], block) for i in range(int(block[FACES]))]
+            passed += [side for side in sides if side >= 0]
+            for gate in (element(side, t, block)[1] - gates for side in sides if side >= 0):
+                said = press_at(table, gate, t, last, pressed)
+                if said and now[1] % 1.0 == RIDES and gate == gate_under(int(now[1]), block):
+                    now[1] -= RIDES  # the flipper may turn back under it: an impact
+                block = block_played(table, pressed) if said else block
+            for side in passed:
+                shut(side, block)
             going = True
         if once and not np.isnan(last[BEFORE]):
             break
@@ -220,21 +228,11 @@ def press_at(table: Table, gate: int, t: float, flight: Floats, pressed: dict[st
     return True
 
 
-def through(block: Floats, flight: Floats, t: float, now: Floats) -> Floats | None:
-    """Let a ball go on through a gate: its flight ends there without an impact.
-
-    A flight goes on from the other side of the line. A slide goes on to its next event with the gate shut: the block in
-    which it is.
-    """
-    surface, slides = int(flight[SURFACE]), flight[PATH] >= 0.0
+def through(flight: Floats, t: float, now: Floats) -> None:
+    """Let a ball go on through a gate: its flight or slide ends there without an impact."""
     flight[OWNER], flight[BEFORE], flight[AFTER] = -1.0, np.nan, np.nan
     flight[FLAGS], flight[NEXT:PATH] = int(flight[FLAGS]) & ~ESCAPED, flight[LAST:NEXT]
-    now[:] = t, (flight[LEFT] if slides else surface ^ 1), *flight[LAST:NEXT]
-    if not slides:
-        return None
-    shut = block.copy()
-    shut[HEAD + THING * int(block[THINGS]) + WIDTH * (surface // 2) + LONG] = -1.0
-    return shut
+    now[:] = t, (flight[LEFT] if flight[PATH] >= 0.0 else -1.0), *flight[LAST:NEXT]
 
 
 @lru_cache(maxsize=1)

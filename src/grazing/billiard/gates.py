@@ -10,15 +10,20 @@ from typing import Any
 
 import numpy as np
 
+from grazing.billiard.elements import element, gap_of, holds, is_passed, width_of
 from grazing.billiard.flippers import AT, BEGIN, CX, CY, FLIPPER_WIDTH, KINDS, OMEGA, PIECE_WIDTH, PIECES, PX, PY
 from grazing.billiard.hit import away_of, first_turning, rows_of
 from grazing.billiard.rows import (
     CIRCLES,
+    EX,
+    EY,
     FACES,
     FLIPPERS,
     HEAD,
     LAW,
     LONG,
+    OWNER,
+    PASSED,
     ROW,
     SIDES,
     THING,
@@ -30,6 +35,8 @@ from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, derived_at, inlined
 
 INFINITY = float("inf")
+#: Widths of what touches beyond which a ball has left a line: more than a slide holds for touching.
+LEFT = 256.0
 #: Of a gate: which flipper it is of, the angle at which that rests, which way it turns, by how much at most, how fast
 #: up and down, for how long a button is pressed; then how far it has turned at a time, and until when it is pressed.
 TURNS, REST, WAY, STROKE, UP, DOWN, HOLD, SINCE, TURNED, UNTIL, GATE = range(11)
@@ -149,9 +156,47 @@ def asked(number: int, x: float, y: float, vx: float, vy: float, t: float, table
 
 
 @inlined
-def shut(surface: int, long: float, table: Any) -> Any:
-    """Set how long a face is, and return what it was: one of length -1 is never met."""
-    row = behind(rows_of(table), WIDTH * (surface // 2))
-    was = row[LONG]
-    row[LONG] = long
-    return was
+def passed_at(i: int, surface: int, x: float, y: float, vx: float, vy: float, table: Any) -> int:
+    """Return the side of the face i on which a ball comes that goes through the gate of a surface, -1 for none.
+
+    Gates may lie on one line, or cross there.
+    """
+    if surface // 2 == i:
+        return surface
+    row = behind(rows_of(table), WIDTH * i)
+    if int(row[OWNER]) < away_of(table) or row[LONG] < 0.0:
+        return -1
+    rate = row[EY] * vx - row[EX] * vy
+    side = 2 * i + (1 if rate < 0.0 else 0)
+    line = element(side, 0.0, table)
+    width = 2.0 * width_of(line, x, y)
+    on = rate != 0.0 and abs(gap_of(line, x, y)) <= width and holds(line, x, y, width)
+    return side if on else -1
+
+
+@inlined
+def shut(surface: int, table: Any) -> None:
+    """Let a ball through the side of a gate, on which it is not met again before it has left that line."""
+    row, side = behind(rows_of(table), WIDTH * (surface // 2)), 2.0 * (surface % 2) - 1.0
+    row[PASSED] = side * (row[LONG] if row[LONG] >= 0.0 else abs(row[PASSED]))
+    row[LONG] = -1.0
+
+
+@inlined
+def opened(owner: int, surface: int, x: float, y: float, table: Any) -> Any:
+    """Open the gates whose lines a ball has left, and say whether it is still on that of another one.
+
+    All, if it comes to the surface of a solid ``owner``, which may turn it back at once, or once around a circle to a
+    gate again.
+    """
+    every = 0 <= owner < away_of(table) or is_passed(surface, table)
+    some = False
+    for i in range(int(table[FACES])):
+        row = behind(rows_of(table), WIDTH * i)
+        if row[PASSED] != 0.0:
+            line = element(2 * i, 0.0, table)
+            if every or abs(gap_of(line, x, y)) > LEFT * width_of(line, x, y):
+                row[LONG], row[PASSED] = abs(row[PASSED]), 0.0
+            else:
+                some = True
+    return some

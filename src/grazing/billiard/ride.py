@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import bend_of, count_of, element, gap_of, holds, normal_of, width_of
+from grazing.billiard.elements import bend_of, count_of, element, gap_of, holds, is_passed, normal_of, width_of
 from grazing.billiard.flippers import LONG, OWNER, PX, PY, REACH, SIZE, TIP
 from grazing.billiard.gaps import EPS, GAP, safe_step
 from grazing.billiard.hit import first_turning, pose
@@ -108,7 +108,7 @@ def around(surface: int, own: int, t: float, clock: float, state: Any, pull: flo
             row, _kind, _ux, _uy, omega = pose(other, t, clock, table)
             wx, wy, most = wx + omega * (y - row[PY]), wy - omega * (x - row[PX]), most + abs(omega) * row[REACH]
         h, width, (nx, ny) = gap_of(to, x, y), 2.0 * width_of(to, x, y), normal_of(to, x, y)
-        if abs(h) <= width and nx * wx + ny * wy < 0.0 and holds(to, x, y, width):
+        if abs(h) <= width and nx * wx + ny * wy < 0.0 and holds(to, x, y, width) and not is_passed(other, table):
             return 0.0, other
         far = abs(h)
         if to[0] == 0.0:

@@ -39,8 +39,9 @@ GRAVITY, FACES, CIRCLES, SIDES, THINGS, LENGTH, FLIPPERS, FEET, HEAD = range(9)
 LAW, SLOPE, ROW, OPEN, THING = range(5)
 #: Of a row: a point, D, the object; where its places begin, and how long they are; what follows depends on the kind.
 PX, PY, SIZE, OWNER, FROM, LONG = range(6)
-#: Of a face: its direction, where places on its right begin. Its point is its first end.
-EX, EY, RIGHT = 6, 7, 8
+#: Of a face: its direction, where places on its right begin. Its point is its first end. Of a gate through which the
+#: ball has just gone, whose length is -1 until it has left that line, the length, below 0 if it came from the left.
+EX, EY, RIGHT, PASSED = 6, 7, 8, 9
 #: Of a circle: the angle at which places begin. Its point is the centre.
 ANGLE = 6
 #: Of a side of an arc: beside the angle, 1 for outside and -1 for inside; the direction of its middle, and the cosine

@@ -6,7 +6,7 @@ line, that of a pendulum on a circle.
 
 from __future__ import annotations
 
-from math import sqrt
+from math import pi, sqrt
 from typing import Any
 
 from grazing.billiard.elements import (
@@ -20,6 +20,7 @@ from grazing.billiard.elements import (
     element,
     gap_of,
     holds,
+    is_passed,
     normal_of,
     rises,
     shares_end,
@@ -29,7 +30,7 @@ from grazing.billiard.elements import (
     width_of,
 )
 from grazing.billiard.faces import RISES, covered, from_end, from_end_of_arc, slack_of
-from grazing.billiard.hit import first_turning, rows_of
+from grazing.billiard.hit import away_of, first_turning, is_open, rows_of
 from grazing.billiard.rows import CIRCLES, FACES, GRAVITY, WIDTH
 from grazing.billiard.swept import horizon, swept
 from grazing.billiard.swing import swing
@@ -106,9 +107,13 @@ def closes(el: Any, other: Any, x: float, y: float, way: float, width: float) ->
 @unit
 def meets(el: Any, at: int, s: float, x: float, y: float, why: int, width: float, clock: float, table: Any) -> Any:
     """Say whether a ball touches what it is about to hit, or a wall at whose foot it is put aside."""
-    if why != HITS or s <= width:
-        return why == HITS
+    if why != HITS:
+        return False
     to = element(at, clock, table)
+    if is_open(int(to[1]), table):  # it holds nothing
+        return False
+    if s <= width:
+        return True
     # what tells is not the same as seen from both ends of a wall
     return to[0] == 0.0 and is_bare(at, to, table) and gap_of(to, x, y) <= 3.0 * apart(to, el, x, y)
 
@@ -146,7 +151,7 @@ def touched(el: Any, other: Any, x: float, y: float, nx: float, ny: float, way: 
 @unit
 def stop(surface: int, x: float, y: float, speed: float, way: float, clock: float, table: Any) -> Any:
     """Return (s, surface, why, flags): how far a ball can slide in one way, and what is there; nothing that turns."""
-    el, g = element(surface, clock, table), table[GRAVITY]
+    el, g, gates = element(surface, clock, table), table[GRAVITY], away_of(table)
     nx, ny = normal_of(el, x, y)
     best, at, why, flags, doubt = to_end(el, x, y, way), -1, ENDS, OK, INFINITY
     leaves = until_it_leaves(el, nx, ny, speed, way, g) if g > 0.0 or el[0] > 0.0 else INFINITY
@@ -157,26 +162,35 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
             continue
         to = element(other, clock, table)
         width = width_of(to, x, y) + width_of(el, x, y)
-        s, how, touch = INFINITY, HITS, INFINITY
+        s, how, touch, free, gone = INFINITY, HITS, INFINITY, True, False
         h = gap_of(to, x, y)
-        if h <= width and h >= -DEEP * width and holds(to, x, y, width):
+        on = h <= width and h >= -DEEP * width and holds(to, x, y, width)
+        if on:
             how = touched(el, to, x, y, nx, ny, way, width)
-            if how == HITS and is_bare(other, to, table):  # in a corner: what it moves away from is not before it
+            gone, free = how == HITS and is_passed(other, table), how == STAYS
+            if how == HITS and not gone and is_bare(other, to, table):
+                # in a corner: what it moves away from is not before it
                 fast = speed * way > 0.0 and speed * speed > 2.0 * g * DEEP * width
                 if to[0] == 0.0:
                     how = HITS if closes(el, to, x, y, way, width) else STAYS
                 elif fast or to_end(el, x, y, -way) <= width:
                     how = STAYS
             s = 0.0 if how != STAYS else INFINITY
-        elif el[0] == 0.0:
-            s, touch = ahead_on_line(x, y, -way * ny, way * nx, to, width)
-        else:
-            s, joint, touch = ahead_on_circle(el, x, y, way, to, width)
-            if joint < s:
-                jx, jy = along(el, x, y, way, joint)
-                mx, my = normal_of(el, jx, jy)
-                if touched(el, to, jx, jy, mx, my, way, width) == ONTO:
-                    s, how = joint, ONTO
+        if gone:  # once around a circle it is there again
+            s = 2.0 * pi * el[6] if el[0] != 0.0 else INFINITY
+        elif free:  # what it moves away from may come again
+            how = HITS
+            if el[0] == 0.0:
+                s, touch = ahead_on_line(x, y, -way * ny, way * nx, to, width)
+            else:
+                s, joint, touch = ahead_on_circle(el, x, y, way, to, width)
+                if joint < s:
+                    jx, jy = along(el, x, y, way, joint)
+                    mx, my = normal_of(el, jx, jy)
+                    if touched(el, to, jx, jy, mx, my, way, width) == ONTO:
+                        s, how = joint, ONTO
+            if on and s <= width:
+                s = INFINITY
         if touch < doubt:  # where both are on one side that is a joint
             jx, jy = along(el, x, y, way, touch)
             mx, my = normal_of(to, jx, jy)
@@ -191,7 +205,7 @@ def stop(surface: int, x: float, y: float, speed: float, way: float, clock: floa
         if how == HITS and is_bare(other, to, table) and hidden(surface, el, other, to, fx, fy, way, width, table):
             continue
         if at >= 0 and abs(s - best) <= width and how == HITS and why == HITS:
-            if to[1] != element(at, clock, table)[1]:
+            if to[1] != element(at, clock, table)[1] and min(to[1], element(at, clock, table)[1]) < gates:
                 flags |= AMBIGUOUS
         if s < best or at < 0:
             best, at, why = min(s, best), other, how
