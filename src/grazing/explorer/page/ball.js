@@ -77,7 +77,7 @@ export class BallView {
     this.axes = new Axes(document.getElementById("phase"));
     const answers = events(this, machine, told);
     this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("ball-diagram")), pool, "ball-diagram", {
-      ...answers, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c),
+      ...answers, follows: () => true, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c),
     });
     this.company = new Company(this, pool);
     this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
