@@ -291,7 +291,6 @@ export class BallView {
       if (t === passes[0]) {
         passes.shift();
         this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
-        this.company.passed([u[i], v[i]]);
       }
     });
     this.trail.splice(0, Math.max(0, this.trail.length - TRAIL));
