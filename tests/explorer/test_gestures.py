@@ -22,6 +22,8 @@ PICTURES = {
 }  # fmt: skip
 
 
+#: Heights that follow the orbits, and what of the state says where they do not.
+FOLLOWED = {"gap": "range", "oscillator": "window", "ball": "window"}
 #: For tests in which the ball must fly: in the others nothing moves by itself.
 FLYING = pytest.mark.parametrize("motion", ["no-preference"])
 
@@ -95,13 +97,14 @@ def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves(shown, address, scen
     shown.settle()
     near = ends(shown, axes)
     size = 2 ** (-300 * 0.002)
-    both = slice(0, len(keys) if scene != "ball" else 1)
+    follows = scene in FOLLOWED  # then the height is that of the orbits
+    both = slice(0, len(keys) if not follows else 1)
     np.testing.assert_allclose((np.ptp(near, axis=1) / np.ptp(before, axis=1))[both], size, rtol=2e-3)
     np.testing.assert_allclose(
         at(shown, axes, *mouse)[both], held[both], atol=2e-3 * np.ptp(before, axis=1)[both].min()
     )
     assert shown.pixels(canvas) != picture and f"{keys[0]}=" in shown.link()
-    assert "ball" not in scene or state(shown, "window") is None  # of the other view's axes nothing changes
+    assert not follows or state(shown, FOLLOWED[scene]) is None
     shown.page.wait_for_timeout(200)  # the turn of the wheel is over
     drag(shown, mouse, place(shown, canvas, 0.25, 0.5))
     shown.until(f"() => {axes}.x0 !== {near[0][0]}")
@@ -110,6 +113,25 @@ def test_the_wheel_zooms_about_the_pointer_and_a_drag_moves(shown, address, scen
     np.testing.assert_allclose(np.ptp(moved, axis=1)[both], np.ptp(near, axis=1)[both], rtol=2e-3)  # moved, not zoomed
     there = at(shown, axes, *place(shown, canvas, 0.25, 0.5))
     np.testing.assert_allclose(there[both], held[both], atol=4e-3 * np.ptp(before, axis=1)[both].max())
+    assert not follows or state(shown, FOLLOWED[scene]) is None
+    if len(keys) == 1:
+        return
+    # at an axis, that axis alone
+    shown.page.wait_for_timeout(200)
+    shown.page.mouse.move(*place(shown, canvas, 0.01, 0.5))
+    shown.page.mouse.wheel(0, -300)
+    shown.until(f"() => {axes}.y1 - {axes}.y0 < {0.9 * np.ptp(moved[1])}")
+    shown.settle()
+    upright = ends(shown, axes)
+    np.testing.assert_array_equal(upright[0], moved[0])
+    np.testing.assert_allclose(np.ptp(upright[1]) / np.ptp(moved[1]), size, rtol=2e-3)
+    shown.page.wait_for_timeout(200)
+    x, y = place(shown, canvas, 0.5, 1.0)
+    shown.page.mouse.move(x, y - 8)
+    shown.page.mouse.wheel(0, -300)
+    shown.until(f"() => {axes}.x1 - {axes}.x0 < {0.9 * np.ptp(upright[0])}")
+    shown.settle()
+    np.testing.assert_array_equal(ends(shown, axes)[1], upright[1])
 
 
 @pytest.mark.parametrize("scene", ["gap", "ball", "basins"])
@@ -186,10 +208,10 @@ def test_a_finger_drags_the_line(phone, address, canvas):
 
 
 def test_a_double_click_shows_all_and_picks_nothing(shown, address):
-    shown.open(f"{address}#version=2&view=gap&{SMALL}&mu=0.2&span=0.1:0.4")
+    shown.open(f"{address}#version=2&view=gap&{SMALL}&mu=0.2&span=0.1:0.4&range=-0.5:0.2")
     shown.page.mouse.dblclick(*place(shown, "gap-diagram", 0.8, 0.5))
     shown.until("() => explorer.state().span[0] === -0.1")
-    assert state(shown, "mu") == 0.2
+    assert state(shown, "mu") == 0.2 and state(shown, "range") is None  # the height follows the orbits
     shown.open(f"{address}#version=2&view=chart&chart=basins&{SMALL}&positions=0.1:0.4")
     shown.page.mouse.dblclick(*place(shown, "chart", 0.8, 0.5))
     shown.until("() => explorer.state().positions[0] === 0")

@@ -136,6 +136,10 @@ def test_every_question_is_answered_by_a_picture(shown, address, tour):
     small = "columns=20&bins=20&flow_starts=2&flow_transient=60&flow_keep=40"
     shown.open(f"{address}#version=2&view=ball&offset=0.13&{small}")
     shown.page.click("#tour")
+    shown.page.evaluate(
+        "() => { const { diagram } = explorer.views.ball, { show } = diagram; explorer.computed = 0; "
+        "diagram.show = (...given) => (explorer.computed++, show.apply(diagram, given)); }"
+    )
     for n, step in enumerate(tour, 1):
         shown.until(f"() => explorer.state().tour === {n}")
         assert shown.page.inner_text("#guide-title") == f"{n} of {len(tour)}: {step['title']}"
@@ -143,6 +147,7 @@ def test_every_question_is_answered_by_a_picture(shown, address, tour):
         assert shown.page.is_visible("#question") == bool(question) and not shown.page.is_visible("#told")
         if question:
             chosen = 1 + (question["right"] + n) % len(question["choices"])
+            before = shown.page.evaluate("() => explorer.computed")
             shown.page.click(f"#choices button:nth-child({chosen})")
             shown.until(f"() => explorer.state().answer === {chosen}")
             assert shown.page.inner_text("#told") == question["told"].replace("_", "")  # subscripts are set as such
@@ -151,6 +156,13 @@ def test_every_question_is_answered_by_a_picture(shown, address, tour):
             assert (wrong is None) == (chosen - 1 == question["right"])
             state = shown.page.evaluate("() => explorer.state()")
             assert {name: state[name] for name in question["shown"]} == question["shown"]
+            if state["view"] == "ball" and not {"offset", "reach", "V"} & question["shown"].keys():
+                assert shown.page.evaluate("() => explorer.computed") == before, step["title"]  # it is the same diagram
+            if step["title"] == "Chatter":
+                shown.page.fill("input[type=number][name=offset]", "-0.32")
+                assert "d = −0.5 (now −0.32). Each hit" in shown.page.inner_text("#guide-text")
+                shown.page.fill("input[type=number][name=offset]", "-0.5")
+                assert "d = −0.5. Each hit" in shown.page.inner_text("#guide-text")
         assert shown.problem() == ""
         ends = shown.page.evaluate(ENDS)
         assert ends and max(ends) <= 800, (step["title"], ends)  # nobody scrolls to see the answer

@@ -68,6 +68,8 @@ def test_what_it_does_is_said_in_words_of_a_visitor(shown, address, given, words
     assert words in shown.page.inner_text(".lead")
     if "V=0&" in f"{given}&":
         assert "above a wall" in shown.page.inner_text("#headline")
+        # nothing says that this wall, or every wall of its law, kicks
+        assert "adds the kick V" in shown.page.inner_text(".choice option:checked")
 
 
 def test_chatter_is_one_letter_and_without_end(shown, address):

@@ -38,6 +38,7 @@ export class BallView {
   /** @type {State} */ state = later();
   /** @type {import("./flight.js").Model} */ model = later();
   /** @type {string | undefined} what is computed, undefined for nothing: then the ball begins anew */ key = undefined;
+  /** Whether what is shown next is another thing: the ball does not go on in it. */ another = false;
   #walls = "";
   /** @type {string | undefined} the small diagram */ #drawn = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
@@ -77,7 +78,7 @@ export class BallView {
     this.axes = new Axes(document.getElementById("phase"));
     const answers = events(this, machine, told);
     this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("ball-diagram")), pool, "ball-diagram", {
-      ...answers, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c),
+      ...answers, follows: () => true, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c),
     });
     this.company = new Company(this, pool);
     this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
@@ -133,18 +134,20 @@ export class BallView {
     if (state.ball && free !== state.ball[0] && JSON.stringify(state.ball) === this.thrown) this.change({ ball: [free, state.ball[1], state.ball[2]] });
     if (state.ball && free !== state.ball[0]) throw new Error(`the ball begins at u = ${state.ball[0]}, behind the wall at ${free}; begin at the wall or ${Number(free) < state.ball[0] ? "below" : "above"}`);
     const { machine } = this, row = rowOf(machine, state), T = (2 * Math.PI) / state.omega;
-    const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined;
+    const key = JSON.stringify(Array.from(row)), thrown = JSON.stringify(state.ball), anew = this.key === undefined, { another } = this;
     const turn = this.flight ? this.turn : 0, walls = JSON.stringify(WALLS.map((name) => state[name])), moves = walls !== this.#walls;
     this.#walls = walls;
+    this.another = false;
     this.state = state;
     this.model = { row, walls: state, T };
     if (anew) this.search.forget();
     const which = machine.fields.indexOf(state.vary);
     this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(state));
+    if (another) this.visited = [];
     this.#diagram(anew);
     this.company.show(state);
-    if (key === this.key && thrown === this.thrown) return this.draw();
-    const same = key === this.key, goes = !anew && !same && thrown === this.thrown;
+    if (key === this.key && thrown === this.thrown && !another) return this.draw();
+    const same = key === this.key, goes = !anew && !another && !same && thrown === this.thrown;
     this.key = key;
     this.thrown = thrown;
     if (!same) this.#portrait();
@@ -291,7 +294,6 @@ export class BallView {
       if (t === passes[0]) {
         passes.shift();
         this.visited.push([valueOf(this.state, this.state.vary), u[i]]);
-        this.company.passed([u[i], v[i]]);
       }
     });
     this.trail.splice(0, Math.max(0, this.trail.length - TRAIL));

@@ -1,6 +1,6 @@
 // @ts-check
 /** What keeps the ball company when it is asked for: the twin with the rate at which near balls part, and sweeps over the diagram. */
-import { flown } from "./flight.js";
+import { Flight } from "./flight.js";
 import { numeral } from "./state.js";
 import { Sweeps } from "./sweeps.js";
 import { Rate, Twin } from "./twin.js";
@@ -8,10 +8,13 @@ import { inside } from "./walls.js";
 
 /** Intervals that are named at most. */
 const NAMED = 4;
+/** Pushes to come over which the rate is measured, and milliseconds of a frame that this may take. */
+const TURNS = 1000, BUDGET = 3;
 
 export class Company {
   rate = new Rate();
   /** @type {Twin | null} */ twin = null;
+  /** @type {[number, number] | null} where the ball will be at the section after the pushes that are measured */ #ahead = null;
 
   /** @param {import("./ball.js").BallView} view @param {import("./pool.js").Pool} pool */
   constructor(view, pool) {
@@ -28,8 +31,7 @@ export class Company {
     const { view } = this;
     if (twin !== Boolean(this.twin)) {
       this.twin = twin ? new Twin() : null;
-      this.rate.forget();
-      if (view.flight) this.#meet();
+      if (view.flight) this.begin();
     }
     if (sweeps && !view.diagram.axes.canvas.hidden) this.sweeps.show(view.model.row, view.machine.fields.indexOf(vary), reach, seed);
     this.#tell();
@@ -37,9 +39,15 @@ export class Company {
 
   /** The ball flies on from elsewhere, or in another way than before: what was measured is over. */
   begin() {
+    const { view: { machine, model, turn, section, begun, T, place, now } } = this, [u, v] = now ? place : begun;
     this.rate.forget();
-    if (this.twin) this.#meet();
-    this.#tell();
+    this.#ahead = null;
+    if (this.twin) {
+      this.#meet();
+      const time = (Math.ceil(turn - section) + section - turn) * T, gone = new Flight(machine, model, [u, v, begun[2] + now]).advance(time, []);
+      if (gone) this.#ahead = [gone.u[gone.u.length - 1], gone.v[gone.v.length - 1]];
+      this.#measure();
+    } else this.#tell();
   }
 
   /** The height of the picture. */
@@ -56,16 +64,21 @@ export class Company {
   moved(time) {
     const { view, twin } = this;
     if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.place))) this.#meet();
+    if (twin) this.#measure();
   }
 
-  /** The ball has passed the section. @param {[number, number]} place */
-  passed(place) {
-    if (!this.twin) return;
-    const { machine, model } = this.view;
-    this.rate.pass(place, (u, v) => {
-      const { u: us, v: vs, cut } = flown(machine, model, u, v, 1);
-      return cut ? [NaN, NaN] : [us[us.length - 1], vs[vs.length - 1]];
-    }, (u) => inside(model.walls, u, this.view.state.phase), this.#size);
+  /** Measure the rate along the pushes that are to come. */
+  #measure() {
+    const { machine, model, state } = this.view, ends = performance.now() + BUDGET;
+    const turn = (/** @type {number} */ u, /** @type {number} */ v) => {
+      const { points } = machine.call("orbits", { columns: 1, starts: 1, keep: 1, rows: model.row, lanes: Float64Array.of(u, v), transient: 0 }, ["points"]);
+      return /** @type {[number, number]} */ ([points[0], points[1]]);
+    };
+    while (this.#ahead && this.rate.turns < TURNS && performance.now() < ends) {
+      this.rate.pass(this.#ahead, turn, (u) => inside(model.walls, u, state.phase), this.#size);
+      this.#ahead = turn(...this.#ahead);
+      if (!this.#ahead.every(Number.isFinite)) this.#ahead = null;
+    }
     this.#tell();
   }
 

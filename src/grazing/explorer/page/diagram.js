@@ -103,7 +103,7 @@ export class Diagram {
    * @param {HTMLCanvasElement} canvas
    * @param {import("./pool.js").Pool} pool
    * @param {string} channel
-   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[]) => void, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, on?: () => Axes | undefined, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events `on` gives the picture on whose scale this one is drawn
+   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[] | null) => void, follows?: () => boolean, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, on?: () => Axes | undefined, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events `on` gives the picture on whose scale this one is drawn
    */
   constructor(canvas, pool, channel, events) {
     this.axes = new Axes(canvas);
@@ -122,6 +122,7 @@ export class Diagram {
       redraw: () => this.draw(),
       pick: events.pick,
       zoom: events.zoom,
+      follows: events.follows,
       zoomOut: () => events.zoomOut?.(),
       chosen: () => [events.chosen?.() ?? NaN, NaN],
       steps: () => [this.columns - 1, 1],

@@ -90,6 +90,7 @@ export function events(view, machine, { change, problem, done }) {
   return {
     pick: (/** @type {number} */ value) => change({ [view.state.vary]: value }),
     zoom: (/** @type {number[]} */ span, /** @type {number[] | null} */ window) => change({ reach: allowed(field(), /** @type {import("./state.js").Pair} */ (span)), window }),
+    follows: () => !view.state.window,
     zoomOut: () => change({ reach: null, window: null }),
     chosen: () => valueOf(view.state, view.state.vary),
     problem,
@@ -121,7 +122,7 @@ export class FlowView {
     const answers = events(this, machine, { change, problem, done });
     this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...answers, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
     this.reduced = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("reduced-diagram")), pool, "reduced", {
-      ...answers, done: undefined, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
+      ...answers, done: undefined, follows: () => true, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
     });
     this.search = new Search(pool, "flow-words", { found: done, problem });
     this.figure = /** @type {HTMLElement} */ (document.getElementById("reduced-figure"));

@@ -122,6 +122,7 @@ export class GapView extends Beside {
     this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("gap-diagram")), pool, "gap", {
       pick: (mu) => change({ mu }),
       zoom: (span, range) => change({ span, range }),
+      follows: () => !this.state.range,
       zoomOut: () => change({ span: null, range: null }),
       chosen: () => this.state.mu,
       under: (axes, c) => this.state.theory && drawWindows(axes, c, this.windows),

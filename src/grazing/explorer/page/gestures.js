@@ -1,7 +1,8 @@
 // @ts-check
 /**
  * What a picture with axes answers to. A wheel and two fingers zoom, dragging moves the picture, or the line of the
- * parameter; with Shift it chooses a part. A click picks, a double click shows all and picks nothing. Arrows pick, + and − zoom, 0 shows all.
+ * parameter; at an axis, that axis alone. With Shift it chooses a part. A click picks, a double click shows all and picks nothing. Arrows
+ * pick, + and − zoom, 0 shows all. A height that follows what is drawn is left to that, but at its axis and in a part that is chosen.
  */
 import { theme } from "./colours.js";
 import { select, zoom, zoomIdentity } from "./d3.mjs";
@@ -11,8 +12,9 @@ import { select, zoom, zoomIdentity } from "./d3.mjs";
 /** @typedef {() => void} Undo what takes a pick back */
 /**
  * `chosen` says what the arrows move, a number that is not finite for a direction in which nothing is chosen; `steps`,
- * in how many steps they cross the picture; `redraw` draws it with the selection.
- * @typedef {{ready: () => boolean, redraw: () => void, pick?: (x: number, y: number) => Undo, zoom?: (x: Pair, y: Pair) => void, zoomOut?: () => void, chosen?: () => Pair, steps?: () => Pair}} Answers
+ * in how many steps they cross the picture; `redraw` draws it with the selection; `follows` says whether the height follows what is drawn,
+ * which a zoom to null leaves to it.
+ * @typedef {{ready: () => boolean, redraw: () => void, pick?: (x: number, y: number) => Undo, follows?: () => boolean, zoom?: (x: Pair, y: Pair | null) => void, zoomOut?: () => void, chosen?: () => Pair, steps?: () => Pair}} Answers
  */
 
 /** A drag shorter than this is a click; one flatter or narrower than `FLAT` chooses along its long side only. */
@@ -57,6 +59,8 @@ export class Gestures {
     let [x, y] = [onScreen(axes.x), onScreen(axes.y)];
     /** @type {Pair | null} */
     let from = null;
+    /** Which axes the gesture zooms. */
+    let [wide, high] = [true, true];
     behaviour
       .clickDistance(CLICK)
       // one finger scrolls the page, or drags the line
@@ -66,16 +70,24 @@ export class Gestures {
       })
       .on("start", ({ sourceEvent }) => {
         [x, y] = [onScreen(axes.x), onScreen(axes.y)];
+        const [left, top] = axes.place(sourceEvent?.touches?.[0] ?? sourceEvent ?? { clientX: NaN, clientY: NaN }), { box } = axes;
+        wide = !(left < box.x);
+        high = !wide || (top <= box.y + box.h && !answers.follows?.());
         from = sourceEvent instanceof MouseEvent && sourceEvent.type === "mousedown" ? [sourceEvent.clientX, sourceEvent.clientY] : null;
       })
       .on("zoom", ({ sourceEvent, transform }) => {
         if (!sourceEvent) return;
         if (from && Math.hypot(sourceEvent.clientX - from[0], sourceEvent.clientY - from[1]) <= CLICK) return; // it may be a click
         from = null;
-        answers.zoom?.(/** @type {Pair} */ (transform.rescaleX(x).domain()), /** @type {Pair} */ (transform.rescaleY(y).domain()));
+        answers.zoom?.(/** @type {Pair} */ ((wide ? transform.rescaleX(x) : x).domain()), high ? /** @type {Pair} */ (transform.rescaleY(y).domain()) : this.#height);
       })
       .on("end", ({ sourceEvent }) => sourceEvent && whole.call(behaviour.transform, zoomIdentity));
     whole.call(behaviour).on("dblclick.zoom", null);
+  }
+
+  /** The height as it is. @returns {Pair | null} */
+  get #height() {
+    return this.answers.follows?.() ? null : [this.axes.y0, this.axes.y1];
   }
 
   /** Draw the selection over the picture. @param {import("./svg.js").Pen} c */
@@ -126,7 +138,7 @@ export class Gestures {
     if (!selection) return;
     const [x0, y0, x1, y1] = selection, [a, b] = [this.#at([x0, y0]), this.#at([x1, y1])];
     const ends = (/** @type {0 | 1} */ i) => /** @type {Pair} */ ([a[i], b[i]].sort((p, q) => p - q));
-    answers.zoom?.(Math.abs(x1 - x0) < FLAT ? [axes.x0, axes.x1] : ends(0), Math.abs(y1 - y0) < FLAT ? [axes.y0, axes.y1] : ends(1));
+    answers.zoom?.(Math.abs(x1 - x0) < FLAT ? [axes.x0, axes.x1] : ends(0), Math.abs(y1 - y0) < FLAT ? this.#height : ends(1));
   }
 
   #leave() {
@@ -162,7 +174,7 @@ export class Gestures {
         const centre = Number.isFinite(chosen[i]) ? chosen[i] : (low + high) / 2;
         return /** @type {Pair} */ ([centre - (centre - low) * factor, centre + (high - centre) * factor]);
       };
-      answers.zoom?.(about(ends[0], 0), about(ends[1], 1));
+      answers.zoom?.(about(ends[0], 0), answers.follows?.() ? null : about(ends[1], 1));
       return true;
     };
     const act = /** @type {Record<string, () => boolean | void>} */ ({

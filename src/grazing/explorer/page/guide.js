@@ -1,13 +1,26 @@
 // @ts-check
 /** The guide beside the pictures: the steps of the tour with their questions, and the note that a link carries. */
-import { typeset } from "./controls.js";
-import { LONGEST_NOTE } from "./state.js";
+import { nodes, typeset } from "./controls.js";
+import { LONGEST_NOTE, numeral } from "./state.js";
 import { TOUR } from "./tour.js";
 
 /** @typedef {import("./state.js").State} State */
 /** What the page lends. @typedef {{change: (part: object) => void, present: (shown: Partial<State>) => void, state: () => State}} Page */
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
+/** Numbers of a text that sliders change: a symbol, and what the state calls it. @type {Record<string, string>} */
+const SYMBOLS = { d: "offset", l: "l", λ: "lam", μ: "mu" };
+const minus = (/** @type {string} */ text) => text.replace("-", "−");
+
+/** A text in which each such number is followed by a place for what it is now, which is not read aloud at every move of a slider. @param {string} text */
+const followed = (text) => text.split(/([dlλμ] = −?\d[.\d]*(?<!\.))/).flatMap((part, i) => {
+  if (i % 2 === 0) return nodes(part);
+  const place = document.createElement("span"), [symbol, value] = part.split(" = ");
+  Object.assign(place.dataset, { of: SYMBOLS[symbol], told: value.replace("−", "-") });
+  place.ariaLive = "off";
+  return [part, place];
+});
+
 /** Begin, turn and end the tour by its buttons, and write the note; returns what shows a state. @param {Page} page */
 export function guided({ change, present, state }) {
   const visit = (/** @type {number} */ n) => TOUR[n - 1] && present({ pinned: "", ...TOUR[n - 1].state, tour: n });
@@ -53,10 +66,14 @@ export function guided({ change, present, state }) {
     byId("note").hidden = !now.note;
     if (byId("write") !== focused) byId("write").value = now.note;
     ask(step, now);
+    if (step && told !== step) byId("guide-text").replaceChildren(...followed(step.text));
     told = step;
     if (!step) return;
+    for (const place of byId("guide-text").querySelectorAll("[data-of]")) {
+      const value = /** @type {Record<string, any>} */ (now)[place.dataset.of], text = value === Number(place.dataset.told) ? "" : ` (now ${minus(numeral(value))})`;
+      if (place.textContent !== text) place.textContent = text;
+    }
     typeset(byId("guide-title"), `${now.tour} of ${TOUR.length}: ${step.title}`);
-    typeset(byId("guide-text"), step.text);
     const [href, text] = step.link ?? ["", ""];
     byId("guide-link").hidden = !href;
     byId("guide-link").href = href;

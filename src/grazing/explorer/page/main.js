@@ -276,7 +276,7 @@ function present(shown) {
 }
 
 /** What is shown is another thing: the ball does not go on in it. */
-const anew = () => ball && (ball.key = undefined);
+const anew = () => ball && (ball.another = true);
 
 /** The diagram on screen that can be kept to compare. */
 const comparable = () => /** @type {import("./pinned.js").Shown | undefined} */ (PINNABLE.includes(state.view) ? current() : undefined);

@@ -31,7 +31,7 @@ export function panel(page) {
   const brought = model?.own.length ? [[model.law, `${model.law} (of ${fileOf(model)})`]] : [];
   for (const name of added) WORDS[name] = above(name) ? "your law’s, above" : "your law’s";
   for (const [name, units] of Object.entries(model?.units ?? {})) if (units && units !== "1") fields[name].units = units;
-  controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "kicks always (active)"], ["triggered", "kicks when hit hard (triggered)"], ...brought], own("law"));
+  controls.law = choice("bumper", [["newton", "passive (Newton)"], ["active", "adds the kick V (active)"], ["triggered", "adds V when hit hard (triggered)"], ...brought], own("law"));
   place("oscillator-sliders").append(controls.law.box);
   controls.two = toggle("a second wall, above the ball", own("two"));
   const first = ["offset", ...added.filter((name) => !above(name)), "V", "trigger", "r", "omega", "alpha", "k", "sigma_B", "r_B", ...added.filter(above), "V_B", "trigger_B"];

@@ -1,17 +1,18 @@
 // @ts-check
 /** The scenes: a view, and in charts what is charted. What each shows, zooms and says to do. */
 
-const ZOOM = "drag to move the picture, zoom with the wheel or two fingers or a box with Shift; a double click shows all. Keys: arrows, +, −, 0.";
-const CHOOSE = `Click to choose the parameter, ${ZOOM}`;
+const ZOOM = "drag to move the picture, zoom with the wheel or two fingers, at an axis that axis alone, or a box with Shift; a double click shows all. Keys: arrows, +, −, 0.";
+const FOLLOWS = "The height follows the orbits until it is zoomed at its axis or by a box.";
+const CHOOSE = `Click to choose the parameter, ${ZOOM} ${FOLLOWS}`;
 const CHART = `Colours name the period that most random starts settle on. Click to choose both parameters, ${ZOOM}`;
 /** What to do; `-two` for two walls, `-moving` for one that moves. @type {Record<string, string>} */
 export const HINTS = {
-  gap: `Click in the diagram to choose μ, ${ZOOM} In the cobweb drag the start, and step from it. Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
+  gap: `Click in the diagram to choose μ, ${ZOOM} ${FOLLOWS} In the cobweb drag the start, and step from it. Dashed: period doubling μ_PD; solid: border collision μ_BC; dotted: the graze.`,
   edges: `Click to choose l and μ, ${ZOOM} Dashed: period doubling μ_PD; solid: border collision μ_BC; between them the orbit is stable.`,
   oscillator: `${CHOOSE} Shaded windows are those that the normal form predicts; dotted: the graze.`,
   "oscillator-two": `${CHOOSE} The letters of a word are the walls that are hit, A below and B above.`,
   "oscillator-moving": CHOOSE,
-  ball: "Take the ball and pull: it flies the other way. In the portrait put it where it shall begin. Drag the line in the diagram, or the slider whose track has its colours. Keys: Space pauses, S steps, arrows aim and Enter throws. The faint curve is what most random starts settle on; the dots in the diagram are where this ball was at the section.",
+  ball: "Take the ball and pull: it flies the other way. In the portrait put it where it shall begin. Drag the line in the diagram, which the wheel or two fingers zoom, or the slider whose track has its colours. Keys: Space pauses, S steps, arrows aim and Enter throws. The faint curve is what most random starts settle on; the dots in the diagram are where this ball was at the section.",
   map: `${CHOOSE} Beside it drag the start, and step from it.`,
   "chart-gap": CHART,
   "chart-oscillator": CHART,

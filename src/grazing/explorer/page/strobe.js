@@ -35,6 +35,7 @@ export class StrobeView {
       redraw: () => this.paint(),
       pick: (u0) => change({ u0 }),
       zoom: (line) => change({ line }),
+      follows: () => true,
       zoomOut: () => change({ line: null }),
       chosen: () => [this.state?.u0 ?? NaN, NaN],
       steps: () => [SAMPLES - 1, 1],

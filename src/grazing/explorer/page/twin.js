@@ -34,7 +34,7 @@ export class Rate {
   }
 
   /**
-   * The ball has passed the section.
+   * The orbit passes the section.
    * @param {[number, number]} place where @param {(u: number, v: number) => [number, number]} turn where a state is a turn later @param {(u: number) => number} free the nearest place that is not behind a wall @param {number} height of the picture
    */
   pass([u, v], turn, free, height) {
@@ -61,11 +61,11 @@ export class Rate {
   said() {
     const { exponent, turns } = this;
     if (!turns) return "The twin begins near the ball …";
-    const over = `over ${turns} push${turns === 1 ? "" : "es"}`;
+    const over = `over the next ${turns} push${turns === 1 ? "" : "es"}`;
     if (turns < FEW && exponent !== -Infinity) return `So far λ = ${numeral(exponent, 2)} a push, ${over}.`;
     if (exponent === -Infinity) return `Near balls meet exactly (λ = −∞, ${over}).`;
     const what = Math.abs(exponent) < 0.01 ? "Near balls stay as far apart" : exponent > 0 ? "Near balls part" : "Near balls come together";
-    return `${what}: λ = ${numeral(exponent, turns < 30 ? 2 : 3)} a push, ${over}.`;
+    return `${what}: λ = ${numeral(exponent, 2)} a push, ${over}.`;
   }
 }
 
