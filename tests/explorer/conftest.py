@@ -57,7 +57,7 @@ def motion():
 
 @pytest.fixture(scope="session")
 def pages(browser):
-    """Pages by how a reader sees them: one that nothing may go wrong in unseen, loaded, or kept open from test to test."""
+    """Give a page, in which nothing may go wrong unseen: loaded, or kept open from test to test."""
     open_ones = {}
 
     @contextmanager
@@ -84,7 +84,7 @@ def pages(browser):
 
 @pytest.fixture
 def kept():
-    """Whether the page stays open for the next test, which goes to its own link there: loading it is most of the work."""
+    """Whether a page stays open for the next test, which goes to its link there: to load one is most of the work."""
     return False
 
 
