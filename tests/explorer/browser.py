@@ -3,8 +3,10 @@
 import os
 import shutil
 import time
+from functools import cached_property
 
 import numpy as np
+import pytest
 
 CHROMIUM = os.environ.get("GRAZING_CHROMIUM") or next(
     filter(
@@ -14,19 +16,66 @@ CHROMIUM = os.environ.get("GRAZING_CHROMIUM") or next(
     None,
 )
 SECONDS = 60
+#: For tests of what is loaded, or of more than a link and `Shown.rest` bring back.
+LOADED = pytest.mark.parametrize("kept", [False], ids=["loaded"])
+
+#: Goes to a link; done when the page, which was told first, has had a frame.
+GO = """(link) => new Promise((done) => {
+  const shown = () => requestAnimationFrame(() => requestAnimationFrame(() => done(true)));
+  if (location.hash === link) return shown();
+  addEventListener("hashchange", shown, {once: true});
+  location.hash = link;
+})"""
+
+#: Takes back what hands have done beside the link: details, a ball that stands or is fast, sound, focus, what was said.
+REST = """() => {
+  const { ball } = explorer.views, { matches: calm } = matchMedia("(prefers-reduced-motion: reduce)");
+  if (ball && ball.playing === calm) document.getElementById("play").click();
+  if (ball?.sound.on) document.getElementById("sound").click();
+  if (ball) ball.speed = Number(document.getElementById("speed").value = 1);
+  document.getElementById("end").click();
+  for (const each of document.querySelectorAll("#controls details")) each.open = false;
+  document.getElementById("said").textContent = "";
+  document.getElementById("times").value = "1";
+  document.querySelector("#problem button").click();
+  document.activeElement.blur();
+  scrollTo(0, 0);
+}"""
+#: The view that computes and moves least.
+STILL = "#version=2&view=edges"
 
 
 class Shown:
     """A page with what it asked for, complained of and shows."""
 
     def __init__(self, page):
-        self.page, self.asked, self.errors = page, [], []
+        self.page, self.asked, self.errors, self.kept = page, [], [], False
         page.on("request", lambda request: self.asked.append(request.url))
         page.on("pageerror", lambda error: self.errors.append(str(error)))
 
+    @cached_property
+    def fingers(self):
+        """What touches the page."""
+        return self.page.context.new_cdp_session(self.page)
+
     def open(self, link):
-        self.page.goto(link)
+        """Show a link; in a page that is kept open, and is there already, without loading it anew."""
+        there, mark, fragment = link.partition("#")
+        if self.kept and mark and self.page.url.partition("#")[0] == there:
+            self.page.evaluate(GO, mark + fragment)
+        else:
+            self.page.goto(link)
         self.settle()
+
+    def rest(self, size):
+        """Be as new for the next test."""
+        self.kept = True
+        self.asked.clear()
+        self.page.mouse.move(0, 0)
+        self.page.set_viewport_size(size)
+        if self.page.evaluate("() => Boolean(globalThis.explorer)"):
+            self.page.evaluate(REST)
+            self.page.evaluate(GO, STILL)
 
     def until(self, condition):
         end = time.monotonic() + SECONDS

@@ -1,6 +1,7 @@
 import json
 import os
 import threading
+from contextlib import contextmanager
 from pathlib import Path
 
 import pytest
@@ -54,13 +55,47 @@ def motion():
     return "no-preference"
 
 
+@pytest.fixture(scope="session")
+def pages(browser):
+    """Give a page, in which nothing may go wrong unseen: loaded, or kept open from test to test."""
+    open_ones = {}
+
+    @contextmanager
+    def one(kept, **reader):
+        key = json.dumps(reader)
+        page = open_ones.pop(key, None) if kept else None
+        if page is None:
+            context = browser.new_context(**reader)
+            context.grant_permissions(["clipboard-read", "clipboard-write"])
+            page = Shown(context.new_page())
+        yield page
+        errors = page.errors
+        if kept and not errors:
+            page.rest(reader["viewport"])
+            open_ones[key] = page
+        else:
+            page.page.context.close()
+        assert errors == []
+
+    yield one
+    for page in open_ones.values():
+        page.page.context.close()
+
+
 @pytest.fixture
-def shown(browser, motion):
-    """A page of its own, in which nothing may go wrong unseen."""
-    context = browser.new_context(viewport={"width": 1280, "height": 800}, reduced_motion=motion)
-    context.grant_permissions(["clipboard-read", "clipboard-write"])
-    page = Shown(context.new_page())
-    yield page
-    errors = page.errors
-    context.close()
-    assert errors == []
+def kept():
+    """Whether a page stays open for the next test, which goes to its link there: to load one is most of the work."""
+    return False
+
+
+@pytest.fixture
+def shown(pages, motion, kept):
+    with pages(kept, viewport={"width": 1280, "height": 800}, reduced_motion=motion) as page:
+        yield page
+
+
+@pytest.fixture
+def phone(pages, motion, kept):
+    size = {"width": 390, "height": 844}
+    with pages(kept, viewport=size, reduced_motion=motion, has_touch=True, is_mobile=True) as page:
+        yield page

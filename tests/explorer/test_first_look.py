@@ -4,6 +4,12 @@ import pytest
 
 from tests.explorer.browser import Shown
 
+
+@pytest.fixture
+def kept():
+    return True
+
+
 OUT_OF_SIGHT = """async () => {
   const { TOUR } = await import("./tour.js"), { DEFAULTS } = await import("./state.js"), found = [];
   TOUR.forEach((step, i) => {
@@ -98,8 +104,8 @@ def test_a_game_is_copied_without_scrolling(browser, address, size):
     assert box["y"] + box["height"] <= size[1] and table["height"] > 0.7 * size[1] and shown.errors == []
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_growth_is_told_in_words(shown, address):
-    shown.page.emulate_media(reduced_motion="reduce")
     shown.page.goto(f"{address.removesuffix('index.html')}table.html")
     shown.until("() => window.pinball && pinball.game() && pinball.exits()")
     shown.page.evaluate("() => { pinball.plunge(0.7); pinball.pause(); pinball.split(); }")

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 
 import grazing as gz
-from tests.explorer.browser import Shown
 
 SMALL = "chart_columns=24&chart_rows=20&columns=60&bins=60&flow_starts=2&flow_transient=40&flow_keep=30"
 #: Views whose pictures move: the fragment, the canvas, the parts of the state that change, and its axes.
@@ -34,13 +33,8 @@ def motion():
 
 
 @pytest.fixture
-def phone(browser):
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    page = Shown(context.new_page())
-    page.fingers = context.new_cdp_session(page.page)
-    yield page
-    context.close()
-    assert page.errors == []
+def kept():
+    return True
 
 
 def state(shown, key):
@@ -306,6 +300,7 @@ def test_keys_aim_and_throw(shown, address, canvas):
     assert abs(state(shown, "ball")[0] - want["u"]) < 1e-3
 
 
+@FLYING
 def test_a_finger_takes_the_ball_and_scrolls_elsewhere(phone, address):
     phone.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&V=0.4")
     phone.page.click("#play")  # it stands still

@@ -10,6 +10,11 @@ import pytest
 import grazing as gz
 
 
+@pytest.fixture
+def kept():
+    return True
+
+
 @pytest.fixture(scope="module")
 def tour(browser, address):
     page = browser.new_page()

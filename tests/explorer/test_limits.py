@@ -4,6 +4,13 @@ import time
 
 import pytest
 
+from tests.explorer.browser import LOADED
+
+
+@pytest.fixture
+def kept():
+    return True
+
 
 def state(page, key):
     return page.page.evaluate(f"() => explorer.state().{key}")
@@ -72,6 +79,7 @@ def test_the_table_of_opacities_is_bounded(shown, address):
     assert found[1][1] == 1  # where there are few counts each has a tone of its own
 
 
+@LOADED
 @pytest.mark.parametrize(
     ("heavy", "least"),  # the second has short jobs: it is enough to hold those that wait
     [
@@ -112,6 +120,7 @@ BEGUN = """() => new Promise((tell) => {
 })"""
 
 
+@LOADED
 def test_what_a_click_asks_waits_for_no_diagram(shown, address):
     slow = "omega=0.2&offset=0.9&reach=0.5:1"
     shown.page.goto(f"{address}#version=2&view=oscillator&columns=2000&bins=40&reduced=no&{slow}")
@@ -253,6 +262,7 @@ def test_numbers_beyond_double_precision_and_on_the_way_to_them(shown, address):
     assert "double precision end at ±1.8e308" in shown.problem() and state(shown, "lam") == 1
 
 
+@LOADED
 def test_what_cannot_be_shown_leaves_no_words_and_nothing_to_copy(shown, address):
     shown.open(f"{address}#version=2&view=edges&lam=0.5")
     assert shown.page.inner_text("#summary")

@@ -15,7 +15,7 @@ from grazing.explorer.build import shipped
 from grazing.explorer.server import FOLDER, files
 from grazing.plot.classes import attractor_colours
 from grazing.plot.style import PERIODS
-from tests.explorer.browser import Shown
+from tests.explorer.browser import LOADED, Shown
 
 PAGE = FOLDER / "page"
 #: What the pages and all they need may weigh, in bytes: 875,000, of which 69,000 are parts of d3, 226,000 the table,
@@ -27,6 +27,11 @@ HEAVIEST = 882_000
 @pytest.fixture
 def motion():
     return "reduce"
+
+
+@pytest.fixture
+def kept():
+    return True
 
 
 def text_of(name):
@@ -159,6 +164,7 @@ def test_the_command_makes_the_same_raster(shown, address, view, tmp_path):
     np.testing.assert_array_equal(counts[:, 1:-2], gz.load(tmp_path / "density.nc")["count"])
 
 
+@LOADED
 def test_no_request_leaves_the_host(shown, address):
     for view in ("gap", "oscillator", "ball", "chart"):
         shown.open(f"{address}#version=2&view={view}&columns=20&chart_columns=20&chart_rows=16")
@@ -259,6 +265,7 @@ def test_a_number_out_of_range_is_explained_and_the_picture_stays(shown, address
     shown.until("() => location.hash.includes('r=0.7') && document.getElementById('problem').hidden")
 
 
+@LOADED
 def test_a_module_that_fails_to_load_is_named_and_the_rest_works(shown, address):
     shown.page.route("**/oscillator.wasm", lambda route: route.abort())
     shown.open(f"{address}#version=2&view=gap&columns=50")
@@ -270,6 +277,7 @@ def test_a_module_that_fails_to_load_is_named_and_the_rest_works(shown, address)
     shown.settle()
 
 
+@LOADED
 def test_without_kernels_the_page_says_what_to_do(shown, address):
     shown.page.route("**/kernels.json", lambda route: route.fulfill(status=404))
     shown.page.goto(address)
@@ -438,14 +446,12 @@ AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_mo
         "edges",
     ],
 )
-def test_axe_reports_no_violation(browser, address, view, scheme):
-    script = AXE.read_text(encoding="utf-8")
-    context = browser.new_context(color_scheme=scheme)
-    page = Shown(context.new_page())
-    page.open(f"{address}#version=2&view={view}")
-    page.page.evaluate(script)
-    found = page.page.evaluate("() => axe.run()")["violations"]
-    context.close()
+def test_axe_reports_no_violation(pages, address, view, scheme):
+    with pages(True, viewport={"width": 1280, "height": 720}, color_scheme=scheme, reduced_motion="reduce") as page:
+        page.open(f"{address}#version=2&view={view}")
+        if not page.page.evaluate("() => Boolean(globalThis.axe)"):
+            page.page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = page.page.evaluate("() => axe.run()")["violations"]
     assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
 
 

@@ -2,6 +2,12 @@
 
 import pytest
 
+
+@pytest.fixture
+def kept():
+    return True
+
+
 GAP = "version=2&view=gap&lam=0.5&l=0&span=-0.05:0.35&columns=80&bins=60"
 #: Whether the pinned picture is on screen; what a click changes is seen in the next frame.
 SEEN = "document.getElementById('pinned').offsetParent"

@@ -45,6 +45,11 @@ def motion():
     return "reduce"
 
 
+@pytest.fixture
+def kept():
+    return True
+
+
 def known(page):
     """What the copied program computes; what it would draw to files is left out."""
     names = {}

@@ -8,7 +8,13 @@ import pytest
 from PIL import Image
 
 import grazing as gz
-from tests.explorer.browser import Shown
+from tests.explorer.browser import GO, LOADED
+
+
+@pytest.fixture
+def kept():
+    return True
+
 
 #: Notes how long the page does not answer, from its first line on.
 WATCH = """let before = performance.now();
@@ -18,15 +24,6 @@ setInterval(() => {
   globalThis.longest = Math.max(globalThis.longest, now - before);
   before = now;
 }, 5);"""
-
-
-#: Goes to a link; done when the page, which was told first, has had a frame.
-GO = """(link) => new Promise((done) => {
-  const shown = () => requestAnimationFrame(() => requestAnimationFrame(() => done(true)));
-  if (location.hash === link) return shown();
-  addEventListener("hashchange", shown, {once: true});
-  location.hash = link;
-})"""
 
 
 def show(page, address, fragment):
@@ -50,6 +47,7 @@ def said(page):
         "view=oscillator&omega=0.001&columns=8&bins=20&reduced=no",
     ],
 )
+@LOADED
 def test_the_page_answers_while_it_looks_for_attractors(shown, address, fragment):
     shown.open(f"{address}#version=2&view=edges")
     shown.page.evaluate(WATCH)
@@ -120,6 +118,7 @@ def test_chatter_and_rest_are_named_as_in_python(shown, address, model, words):
     assert f"period 1, word {word}: 100 % of the picture" in said(shown)
 
 
+@LOADED
 def test_the_start_of_the_zero_time_map(shown, address):
     shown.open(f"{address}#version=2&view=strobe")
     assert "has 0 impacts below" in said(shown) or "has 1 impact" in said(shown)
@@ -196,15 +195,6 @@ def test_every_period_of_a_chart_is_named(shown, address):
 
 
 # ---- a phone
-
-
-@pytest.fixture
-def phone(browser):
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    page = Shown(context.new_page())
-    yield page
-    context.close()
-    assert page.errors == []
 
 
 @pytest.mark.parametrize(
