@@ -255,12 +255,25 @@ def test_a_map_from_a_file_of_ones_own_travels_whole(tmp_path):
     assert (done.stdout, done.returncode) == ("1.0\n", 0), done.stderr
 
 
-LAW = "FACTOR = 0.9\ndef helper(v):\n    return 2.0 * v\ndef law(v, p):\n    return -0.5 * p.r * FACTOR * helper(v)\n"
+LAW = """
+import types
+from math import exp
+HERE = types.ModuleType("here")
+HERE.GAIN, FACTOR = 1.0, 0.9
+def helper(v):
+    return 2.0 * v * exp(0.0)
+def law(v, p):
+    return -0.5 * p.r * FACTOR * HERE.GAIN * helper(v)
+"""
 
 
 @pytest.mark.parametrize(
-    ("before", "after"), [("-0.5", "-0.4"), ("0.9", "0.8"), ("2.0", "1.9"), ("-0.5 * p.r", "-p.r / 2")]
-)
+    ("before", "after"),
+    [
+        ("-0.5", "-0.4"), ("0.9", "0.8"), ("2.0", "1.9"), ("-0.5 * p.r", "-p.r / 2"),
+        ("= 1.0,", "= 1.1,"), ("from math", "from cmath"),
+    ],
+)  # fmt: skip
 def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(tmp_path, monkeypatch, before, after):
     """A law that was edited since, or the number or function that it names, was taken in silence."""
     monkeypatch.syspath_prepend(tmp_path)

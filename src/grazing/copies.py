@@ -13,12 +13,12 @@ from functools import partial
 from importlib import import_module
 from importlib.util import MAGIC_NUMBER, find_spec
 from operator import attrgetter
-from types import FunctionType
+from types import BuiltinFunctionType, FunctionType
 from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import below, coded, content, digest, named
+from grazing.kernel.content import below, coded, content, digest, dotted, named
 from grazing.outcome import InputError, raised
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
@@ -130,6 +130,7 @@ def _outline(function: FunctionType) -> str:
     for each in seen:  # which grows
         cells = [cell.cell_contents for cell in each.__closure__ or ()]
         values = [*named(each).items(), *enumerate([*cells, *(each.__defaults__ or ())])]
+        values += [pair for _key, module in values for pair in dotted(module, each.__code__).items()]
         found.append(
             (coded(each.__code__), [(key, content(value, (), {})) for key, value in values if _is_comparable(value)])
         )
@@ -138,8 +139,8 @@ def _outline(function: FunctionType) -> str:
 
 
 def _is_comparable(value: object) -> bool:
-    """Say whether a value is a number, a text or an array of them."""
-    return isinstance(value, (int, float, complex, str, bytes, np.generic)) or (
+    """Say whether a value is a number, a text or an array of them, or a function of ``math``."""
+    return isinstance(value, (int, float, complex, str, bytes, np.generic, BuiltinFunctionType)) or (
         isinstance(value, np.ndarray) and value.dtype.kind in "biufcSU"
     )
 

@@ -1,12 +1,16 @@
 """What the compiler layer promises: two arithmetics, content hashes, a cache that cannot be stale, plain words."""
 
+import cmath
 import json
+import math
 import os
 import shutil
 import subprocess
 import sys
 import textwrap
+from collections import namedtuple
 from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
@@ -106,6 +110,39 @@ def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():
 
     assert digest(closed(1.0)) != digest(closed(2.0))
     assert digest(closed(1.0)) == digest(closed(1.0))
+
+
+@pytest.mark.parametrize(
+    ("text", "name", "before", "after"),
+    [
+        ("a.K * x", "a", {"K": 2.0}, {"K": 3.0}),
+        ("getattr(a, 'K') * x", "a", {"K": 2.0}, {"K": 3.0}),
+        ("a.b.K * x", "a", {"b": {"K": 2.0}}, {"b": {"K": 3.0}}),
+        ("(lambda y: a.K * y)(x)", "a", {"K": 2.0}, {"K": 3.0}),
+        ("abs(root(x))", "root", math.sqrt, cmath.sqrt),
+        ("a['K'][0] * x", "a", np.array([(2.0, 3.0)], "f8,f8"), np.array([(2.0, 3.0)], [("f1", "f8"), ("f0", "f8")])),
+        ("a(x)[1]", "a", namedtuple("A", "x k", defaults=[2.0]), namedtuple("A", "x k", defaults=[3.0])),
+    ],
+    ids=lambda value: value if isinstance(value, str) and " " in value else "",
+)
+def test_digest_sees_what_the_compiler_freezes(text, name, before, after):
+    """A constant of a module of the user's own was changed, and maps went on with the old one."""
+
+    def module(value):
+        if not isinstance(value, dict):
+            return value
+        made = ModuleType("theirs")
+        vars(made).update({key: module(item) for key, item in value.items()})
+        return made
+
+    def of(value):
+        scope = {name: module(value)}
+        exec(f"def f(x):\n    return {text}\ndef g(x):\n    return f(x)\n", scope)
+        return digest(scope["g"])
+
+    assert of(before) == of(before) != of(after)
+    if isinstance(before, dict):  # what is not used may be anything
+        assert of(before) == of({**before, "other": object()})
 
 
 PROGRAM = """

@@ -107,6 +107,13 @@ def test_a_pickle_that_we_did_not_write_is_not_opened(kept, tmp_path):
     assert not (tmp_path / "ran").exists()
 
 
+def test_the_file_of_another_python_is_not_taken_for_one_of_this(kept, monkeypatch):
+    """The bytecode of short kernels is that of 3.11 and 3.12; their machine code calls into one of these."""
+    monkeypatch.setattr("grazing.kernel.cache.EXTENSION_SUFFIXES", [".cpython-312-x86_64-linux-gnu.so"])
+    assert fresh()(3.0) == 7.0
+    assert kept.exists() and len(list(kept.parent.iterdir())) == 2
+
+
 def test_the_file_of_another_kernel_is_not_taken_for_this_one(kept):
     assert fresh(5.0)(3.0) == 16.0
     (other,) = (file for file in kept.parent.iterdir() if file != kept)

@@ -23,6 +23,9 @@ PRIMITIVES = "grazing.kernel.primitives"
 #: The module of functions as the compiler sees them: the name of each says its arithmetic and its content.
 COMPILED = "grazing.kernel"
 
+#: Modules whose names say what stands behind their dots, beside the version of numba.
+LIBRARIES = {"math", "cmath", "numpy", "numba"}
+
 #: Hashes of functions, for as long as nothing can change what they name: during one compilation.
 Known = dict[FunctionType, str]
 
@@ -73,6 +76,29 @@ def global_names(code: CodeType) -> frozenset[str]:
 
 
 @lru_cache(maxsize=4096)
+def attributes(code: CodeType) -> frozenset[str]:
+    """Return all names that may stand behind a dot in a function, or be given to ``getattr``."""
+    own = {*code.co_names, *(const for const in code.co_consts if isinstance(const, str))}
+    return frozenset(own.union(*(attributes(const) for const in code.co_consts if isinstance(const, CodeType))))
+
+
+def dotted(value: Any, code: CodeType, above: tuple[Any, ...] = ()) -> dict[str, Any]:
+    """Return what a function takes from behind the dots of a module that it names; nothing for any other value.
+
+    The compiler freezes it as it freezes what has a name of its own.
+    """
+    if not isinstance(value, ModuleType) or value.__name__ in LIBRARIES or value in above:
+        return {}
+    found: dict[str, Any] = {}
+    for name in sorted(attributes(code)):
+        item = getattr(value, name, dotted)
+        if item is not dotted:
+            found[name] = item
+            found |= {f"{name}.{key}": each for key, each in dotted(item, code, (*above, value)).items()}
+    return found
+
+
+@lru_cache(maxsize=4096)
 def instructions(code: CodeType) -> tuple[dis.Instruction, ...]:
     """Return the instructions of a function, without those that do nothing themselves."""
     return tuple(op for op in dis.get_instructions(code) if op.opname not in ("EXTENDED_ARG", "NOP"))
@@ -89,13 +115,18 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
     if isinstance(value, tuple):
         kind = (type(value).__name__, getattr(value, "_fields", ()))
         return (kind, [content(item, above, known) for item in value])
-    if isinstance(value, (type, ModuleType, BuiltinFunctionType)):
-        return (getattr(value, "__name__", ""), getattr(value, "_fields", ()))
+    if type(value) is type:
+        defaults = [content(item, above, known) for item in getattr(value, "_field_defaults", {}).items()]
+        return (value.__name__, getattr(value, "_fields", ()), defaults)
+    if isinstance(value, ModuleType):
+        return ("module", value.__name__)
+    if isinstance(value, BuiltinFunctionType):  # math and cmath have functions of the same names
+        return (value.__module__, value.__qualname__)
     if isinstance(value, float):
         return value.hex() if math.isfinite(value) else repr(value)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return ("array", value.dtype.str, value.shape, numbers)
+        return ("array", repr(value.dtype), value.shape, numbers)
     if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
         return (type(value).__name__, repr(value))
     made = getattr(value, "py_func", None)
@@ -109,11 +140,17 @@ def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
         return ("primitive", value.__name__, text(PRIMITIVES))  # both its forms
     if value in forms():
         return ("primitive", value.__name__, text(value.__module__), text("grazing.kernel.wide"))
+
+    def of(item: Any) -> Any:
+        behind = dotted(item, value.__code__)
+        said = content(item, above, known)
+        return (said, [(name, content(each, above, known)) for name, each in behind.items()]) if behind else said
+
     return (
         [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],
         coded(value.__code__),
-        [(name, content(item, above, known)) for name, item in named(value).items()],
-        [content(cell.cell_contents, above, known) for cell in value.__closure__ or ()],
+        [(name, of(item)) for name, item in named(value).items()],
+        [of(cell.cell_contents) for cell in value.__closure__ or ()],
         [content(default, above, known) for default in value.__defaults__ or ()],
         sorted((name, content(default, above, known)) for name, default in (value.__kwdefaults__ or {}).items()),
     )
