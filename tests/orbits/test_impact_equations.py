@@ -3,6 +3,7 @@ import pytest
 
 import grazing as gz
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
+from grazing.orbits.contacts import contacts_of
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.periodic import periodic_orbits
 from grazing.oscillator.reset import triggered_law
@@ -72,3 +73,20 @@ def test_a_far_guess_that_does_not_converge_is_no_orbit():
     equations = ImpactEquations(gz.pinball(d=0.5), (), 1, (WHOLE,))  # so much offset that the wall is not reached
     guesses = np.array([[0.1, 3.0], [2.0, 0.2]])
     assert np.isnan(equations.solve(guesses, NOTHING)).all()
+
+
+@pytest.mark.parametrize("walls", [1, 2])
+def test_a_flight_through_a_wall_that_it_touches_is_no_orbit_of_the_oscillator(walls):
+    """A spring of half the frequency of the force closes every flight after two periods, through walls or not.
+
+    Where such a flight turns at a wall, rounding decides the sign of its speed there.
+    """
+    sides = gz.wall(-0.7, gz.newton(0.3)), gz.wall(5.3, gz.newton(0.3))
+    force = gz.Forcing(omega=1.0, cos=(1.5,))
+    model = gz.Oscillator(alpha=0.0, k=0.5, forcing=force, walls=sides[:walls])
+    equations = ImpactEquations(model, (), 2, (contacts_of(model)[0],))
+    x = np.column_stack([np.linspace(0.2, 6.2, 100), np.full(100, 1e-3)])
+    solved = x[equations.solve(x, NOTHING) < 1e-14]
+    touches = [equations.orbit(one, NOTHING) for one in solved]
+    assert len([one for one in touches if one.incoming[0] < 0.0 <= one.outgoing[0]]) > 2
+    assert not any(one.admissible for one in touches)

@@ -27,7 +27,7 @@ from grazing.orbits.contacts import (
 from grazing.orbits.equations import ONE, Equations, Test
 from grazing.orbits.even_equations import EVEN, EvenEquations
 from grazing.orbits.flight_equations import FlightEquations, Prepared
-from grazing.orbits.impact_orbit import ImpactOrbit, mirrors_in
+from grazing.orbits.impact_orbit import ImpactOrbit, delay, mirrors_in
 from grazing.orbits.one_impact import multipliers
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.word import word
@@ -323,8 +323,7 @@ class ImpactEquations(FlightEquations):
         late = np.abs(table[:, CONTACT] - np.diff(np.append(times, times[0] + N * T)))
         next_walls = np.roll(self.walls, -1)
         size = np.array([frame_of(bool(wall), c).size for wall in next_walls])
-        with np.errstate(divide="ignore"):
-            arrives = (table[:, ENDING] < 0.0) & (late <= 1e-9 * T + 1e-14 * size / np.abs(table[:, ENDING]))
+        arrives = (table[:, ENDING] < 0.0) & (late <= delay(table[:, ENDING], size, T))
         arrives &= table[:, STRUCK] == next_walls
         tests = [values[0] for type, _i, values in self._tested(x[None], at, tables, out) if type in ("law", "st")]
         flown = Flown(times, outgoing, self.walls, N)

@@ -14,6 +14,13 @@ from grazing.oscillator.wall import NAMES
 
 #: An orbit and its mirror image that differ by less, in parts of a period and of its speed, are one.
 ALIKE = 1e-7
+#: Speed of an arrival, in sizes per period, below which it is a touch: rounding moves it by the root of its unit only.
+TOUCHING = 1e-8
+
+
+def delay(speed: NDArray[np.float64], size: NDArray[np.float64] | float, T: float) -> NDArray[np.float64]:
+    """Return by how much rounding may change when a ball arrives, at this speed, in motions of this size."""
+    return 1e-9 * T + 1e-14 * size / np.maximum(np.abs(speed), TOUCHING * size / T)
 
 
 def mirrors_in(turns: int) -> int:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from grazing.maps.period import product, saltation
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closure import FIRED
-from grazing.orbits.impact_orbit import ImpactOrbit
+from grazing.orbits.impact_orbit import ImpactOrbit, delay
 from grazing.orbits.orbit import condition_of
 from grazing.orbits.survey import (
     CLEARANCE,
@@ -147,7 +147,7 @@ def _orbit(model: Oscillator, family: Family, c: Any, row: NDArray[np.float64]) 
         word=word((0,) * (N - 1) + (1,)),
         period=N,
         multipliers=multipliers(float(row[TRACE]), float(row[DET])),
-        admissible=bool(late <= 1e-9 * c.T + 1e-14 * c.size / abs(v)),
+        admissible=bool(late <= delay(np.array(v), c.size, c.T)),
         condition=condition_of(np.array(J).reshape(2, 2)),
         residual=max(abs(y), abs(v_end - v)),
         times=np.array([tau]),
