@@ -653,13 +653,15 @@ def hands_on(shown, P):
     page.mouse.move(x + 20, box["y"] + 0.4 * box["height"])
     page.mouse.up()
     shown.until(f"() => explorer.state()[{name!r}] > {before[name]}")
-    start, picture = [], shown.pixels("cobweb")
+    picture = shown.pixels("cobweb")
     page.mouse.move(web["x"] + 0.55 * web["width"], web["y"] + 0.4 * web["height"])
     page.mouse.down()
+    at = page.evaluate(  # on the axes as they are before the start moves, which they may follow
+        "([x, y]) => { const a = explorer.views.map.cobweb.axes; return [a.atX(x), a.atY(y)]; }",
+        [0.6 * web["width"], 0.3 * web["height"]],
+    )
     page.mouse.move(web["x"] + 0.6 * web["width"], web["y"] + 0.3 * web["height"])
     start = page.evaluate("() => [explorer.state().x0, explorer.state().y0]")
-    at = page.evaluate("([x, y]) => { const a = explorer.views.map.cobweb.axes; return [a.atX(x), a.atY(y)]; }",
-                       [0.6 * web["width"], 0.3 * web["height"]])  # fmt: skip
     page.mouse.up()
     sizes = [np.ptp(ends) for ends in P.box]
     assert all(abs(a - b) < 0.02 * size for a, b, size in zip(start, at, sizes, strict=False))
