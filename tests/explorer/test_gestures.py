@@ -321,6 +321,10 @@ def test_a_finger_takes_the_ball_and_scrolls_elsewhere(phone, address):
         touch(phone, "touchMove", (60, y - 10 * k))
     touch(phone, "touchEnd")
     assert preview(phone) is None and state(phone, "ball") == before
+    phone.page.tap("#sweeps")
+    phone.page.evaluate("() => scrollTo(0, 0)")
+    box = phone.page.locator("#ball-diagram").bounding_box()
+    assert box["y"] + box["height"] < 844  # what the button did is seen
 
 
 # ---- the cobweb

@@ -633,6 +633,59 @@ def test_a_link_of_a_law_that_the_page_does_not_have_says_so(shown, address):
 FEW = "columns=40&bins=60&starts=3&transient=40&keep=30&chart_columns=8&chart_rows=6"
 
 
+def hands_on(shown, P):
+    """Zoom the diagram, drag the line and the start by the mouse, go back by a double click; leave all as it was."""
+    page, before = shown.page, shown.page.evaluate("() => explorer.state()")
+    name, (low, high) = before["vary"], before["reach"]
+    box, web = page.locator("#gap-diagram").bounding_box(), page.locator("#cobweb").bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"])
+    page.mouse.wheel(0, -300)
+    shown.until(f"() => {{ const [a, b] = explorer.state().reach; return b - a < {0.9 * (high - low)}; }}")
+    assert page.evaluate("() => explorer.state().window") is None  # the height follows the orbits
+    shown.settle()
+    page.wait_for_timeout(200)
+    page.mouse.dblclick(box["x"] + 0.3 * box["width"], box["y"] + 0.4 * box["height"])
+    shown.until(f"() => explorer.state().reach[0] === {low} && explorer.state()[{name!r}] === {before[name]}")
+    shown.settle()
+    x = box["x"] + page.evaluate(f"() => explorer.views.map.diagram.axes.x(explorer.state()[{name!r}])")
+    page.mouse.move(x, box["y"] + 0.4 * box["height"])
+    page.mouse.down()
+    page.mouse.move(x + 20, box["y"] + 0.4 * box["height"])
+    page.mouse.up()
+    shown.until(f"() => explorer.state()[{name!r}] > {before[name]}")
+    picture = shown.pixels("cobweb")
+    page.mouse.move(web["x"] + 0.55 * web["width"], web["y"] + 0.4 * web["height"])
+    page.mouse.down()
+    at = page.evaluate(  # on the axes as they are before the start moves, which they may follow
+        "([x, y]) => { const a = explorer.views.map.cobweb.axes; return [a.atX(x), a.atY(y)]; }",
+        [0.6 * web["width"], 0.3 * web["height"]],
+    )
+    page.mouse.move(web["x"] + 0.6 * web["width"], web["y"] + 0.3 * web["height"])
+    start = page.evaluate("() => [explorer.state().x0, explorer.state().y0]")
+    page.mouse.up()
+    sizes = [np.ptp(ends) for ends in P.box]
+    assert all(abs(a - b) < 0.02 * size for a, b, size in zip(start, at, sizes, strict=False))
+    assert shown.pixels("cobweb") != picture
+    # of a graph that is too steep to be joined single places are seen
+    black = """() => {
+      const { cobweb } = explorer.views.map, { axes } = cobweb, web = cobweb.view.web(), given = cobweb.view.web;
+      const at = [0.02, 0.3].map((part, i) => web.ends[i][0] + part * (web.ends[i][1] - web.ends[i][0]));
+      const ink = () => axes.context.getImageData(axes.ratio * axes.x(at[0]), axes.ratio * axes.y(at[1]), 1, 1).data[0];
+      const seen = [[], [[at]]].map(graph => {
+        cobweb.view.web = () => ({ ...web, graph });
+        cobweb.draw();
+        return ink();
+      });
+      cobweb.view.web = given;
+      return seen;
+    }"""
+    without, with_it = page.evaluate(black)
+    assert P.dimension > 1 or with_it < without
+    back = {key: before[key] for key in ("x0", "y0", name)} | {"web": 0}
+    page.evaluate("back => explorer.views.map.cobweb.change(back)", back)
+    shown.settle()
+
+
 def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page, mapped, tmp_path, capsys):
     P, page = mapped[3], shown.page
     shown.open(f"{map_page}#version=2&view=map&coordinate={P.coordinates[-1]}&{FEW}")
@@ -650,6 +703,7 @@ def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page,
 
     np.testing.assert_array_equal(shown.raster("map")[1][:, 1:-2], program()["count"])
     assert all(f"map.{name}={value:g}" in shown.link() for name, value in P.params.items())
+    hands_on(shown, P)
     page.click("#web-many")
     shown.until("() => document.getElementById('summary').innerText.includes('after 10 steps')")
     after = P.iterate([sum(ends) / 2 for ends in P.box], 10)[-1]

@@ -1,6 +1,7 @@
 """The server of the explorer: its files and no others, with the right types, and an end."""
 
 import http.client
+import json
 import os
 import re
 import signal
@@ -123,6 +124,19 @@ def test_a_copy_for_any_server(tmp_path):
     assert all((page.parent / name).is_file() for name in named)
     copied = {f"/{path.relative_to(page.parent).as_posix()}" for path in page.parent.rglob("*.*")}
     assert copied == files().keys() - {"/page/"} | {"/index.html"}
+
+
+def test_a_copy_with_a_map_of_ones_own_has_that_module_and_the_table(tmp_path):
+    own = tmp_path / "own"
+    own.mkdir()
+    (own / "map.wasm").write_bytes(b"")
+    for model, others in (
+        ({"map": "mine"}, set()),
+        ({"law": "soft"}, {"/kernels/gap.wasm", "/kernels/oscillator.wasm"}),
+    ):
+        (own / "kernels.json").write_text(json.dumps({"model": model}))
+        modules = {name for name in files(own) if name.endswith(".wasm")}
+        assert modules == {"/kernels/map.wasm", "/kernels/table.wasm"} | others
 
 
 def test_a_copy_is_renewed_and_other_files_stay(tmp_path):

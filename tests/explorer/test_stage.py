@@ -125,7 +125,14 @@ def test_before_a_room_all_orbits_are_named_and_no_coordinates(browser, address)
     assert shown.page.inner_text("#more") == "All controls"
     shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1305&tour=3")
     shown.until("() => explorer.state().tour === 3")
-    assert shown.page.is_hidden("#summary")  # the step says what is shown
+    box = shown.page.locator("#figures > .below").bounding_box()  # one line: the step has the room
+    assert shown.page.inner_text("#summary").startswith("At d = 0.1305:") and box["height"] < 2 * 24
+    # what is wrong with a link lies over nothing
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&foo=1")
+    shown.until("() => !document.getElementById('problem').hidden")
+    ends = [shown.page.locator(what).bounding_box() for what in ("#problem", "#summary", "#stage", "#flow-diagram")]
+    assert ends[0]["y"] + ends[0]["height"] <= ends[1]["y"] and ends[0]["x"] + ends[0]["width"] <= ends[2]["x"]
+    assert ends[3]["height"] > 300 and shown.page.evaluate("() => document.documentElement.scrollHeight") == 1080
     context.close()
 
 
@@ -188,6 +195,9 @@ def test_a_narrow_screen_is_filled_too(browser, address, view):
 def test_keys_are_at_hand_before_a_room(shown, address):
     shown.open(f"{address}#version=2&view=ball&offset=0.14&tour=1")
     shown.page.keyboard.press("p")
+    # where the screen is low the step stands beside its pictures, which have room
+    guide, strip, diagram = (shown.page.locator(f"#{id}").bounding_box() for id in ("guide", "strip", "ball-diagram"))
+    assert guide["x"] + guide["width"] < strip["x"] and min(strip["height"], diagram["height"]) > 200
     shown.page.keyboard.press(" ")
     assert presenting(shown) and not shown.page.evaluate("() => explorer.views.ball.playing")
     shown.page.keyboard.press("PageDown")  # of a remote control
@@ -337,6 +347,7 @@ def test_the_table_before_a_room(browser, address, size, least):
     shown.page.click("#more")  # all that can be done is at hand, and nothing is cut
     assert shown.page.is_visible("#rungs") and shown.page.is_visible("#fan") and shown.page.is_visible("[name=pace]")
     assert shown.page.evaluate(SMALLEST)[0] >= least and shown.page.evaluate(around) == [size[1], size[0]]
+    assert size[0] < 720 or shown.page.evaluate(COVERED) == []
     shown.page.click("#more")
     assert shown.page.is_hidden("#rungs") and shown.page.is_hidden("#fan")
     if least == 24:  # where a hand points is where the picture says, once that has come to rest

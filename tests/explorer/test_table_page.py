@@ -221,6 +221,12 @@ def test_near_balls_part_and_their_rate_is_told(shown, address):
     page.evaluate("() => pinball.plunge(0.7)")
     hold(page)
     play(page, 0.6)
+    page.click("#fan")
+    assert page.evaluate(f"() => {GAME}.flying.length") == 100
+    # Space is the key of the plunger again, and does not press the button once more
+    assert page.evaluate("() => document.activeElement.id") == "table"
+    page.evaluate("() => pinball.plunge(0.7)")
+    play(page, 0.6)
     page.keyboard.press("g")
     assert page.evaluate(f"() => {GAME}.flying.length") == 100
     first = page.evaluate(f"() => {GAME}.spread")

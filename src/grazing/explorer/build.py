@@ -185,8 +185,18 @@ def stale() -> list[str]:
 
 
 def tables_text() -> str:
-    """Return the tables that ship as text for the page."""
-    return json.dumps(described_tables(), separators=(",", ":"), sort_keys=True) + "\n"
+    """Return the tables that ship as text for the page, which takes 2 for 2.0."""
+    return json.dumps(_whole(described_tables()), separators=(",", ":"), sort_keys=True) + "\n"
+
+
+def _whole(value: Any) -> Any:
+    """Return what JSON says with whole numbers as such: the same to a browser, in fewer letters."""
+    if isinstance(value, dict):
+        return {key: _whole(each) for key, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_whole(each) for each in value]
+    is_whole = isinstance(value, float) and value.is_integer() and str(value) != "-0.0" and abs(value) < 2.0**53
+    return int(value) if is_whole else value
 
 
 def _read(name: str) -> str:

@@ -23,9 +23,10 @@ from grazing.config.own import Model, Named, is_own, located, own_object
 from grazing.explorer.build import DESCRIPTION, described_module, shipped, toolchain
 from grazing.explorer.calls import CALLS, Calls
 from grazing.explorer.composed import Module
+from grazing.explorer.extents import rounded, short
 from grazing.explorer.oscillator import HARMONICS, OF_LAWS, WAVES, field_of, name_of, oscillator_module
 from grazing.explorer.own_map import NAME as MAP
-from grazing.explorer.own_map import checked_own_map, described_map, map_module, rounded, short
+from grazing.explorer.own_map import checked_own_map, described_map, map_module
 from grazing.explorer.webassembly import exported, linker
 from grazing.kernel.compile import call
 from grazing.kernel.content import digest

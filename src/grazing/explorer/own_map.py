@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import replace
 from typing import Any
 
 import numpy as np
 
 from grazing.explorer.composed import Module, Step, common_entries, entries_of
+from grazing.explorer.extents import rounded, short
 from grazing.maps.map import Map, kernels_of
 from grazing.outcome import InputError, UserCodeError
 from grazing.studies.density import density
@@ -44,17 +44,6 @@ def checked_own_map(name: str, P: Map) -> Map:
                 "parameters"
             )
     return P
-
-
-def rounded(value: float) -> float:
-    """Return 1, 2 or 5 times a power of ten, at least as large."""
-    power = 10.0 ** math.floor(math.log10(value))
-    return next(float(f"{step * power:.3g}") for step in (1.0, 2.0, 5.0, 10.0) if step * power >= value * (1.0 - 1e-9))
-
-
-def short(value: float) -> float:
-    """Return a number of three digits."""
-    return float(f"{value:.3g}")
 
 
 def field_of(name: str) -> str:

@@ -7,6 +7,7 @@ a reset law that could not be compiled for the browser it computes what the page
 
 from __future__ import annotations
 
+import json
 import os
 import re
 import shutil
@@ -51,6 +52,8 @@ BYTES = "application/octet-stream"
 Answers = Callable[[bytes], bytes]
 #: The folders that are served, and the file that each of them cannot do without.
 PARTS = {"page": "index.html", "kernels": "kernels.json"}
+#: Modules that the page of a map of the user's own never asks for.
+OTHERS = ("gap", "oscillator")
 
 
 def files(kernels: Path | None = None) -> dict[str, Path]:
@@ -76,7 +79,14 @@ def files(kernels: Path | None = None) -> dict[str, Path]:
         if path.suffix in TYPES
     }
     own = {} if kernels is None else {f"/kernels/{path.name}": path for path in sorted(kernels.iterdir())}
+    for name in OTHERS if _is_of_map(own.get("/kernels/kernels.json")) else ():
+        del found[f"/kernels/{name}.wasm"]
     return found | own | {"/page/": found["/page/index.html"]}
+
+
+def _is_of_map(description: Path | None) -> bool:
+    """Whether a description of kernels is that of a page with a map of the user's own, which shows that map alone."""
+    return description is not None and bool(json.loads(description.read_bytes()).get("model", {}).get("map"))
 
 
 class Handler(BaseHTTPRequestHandler):

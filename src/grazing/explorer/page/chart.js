@@ -293,9 +293,10 @@ export class ChartView {
   /** The colours that occur, as many as there is room for. @param {import("./svg.js").Pen} c */
   #legend(c) {
     const { axes, plan } = this;
-    const named = plan?.basins
-      ? this.attractors().map((each) => ({ colour: each.colour, text: called(each, plan.name === "map") }))
-      : [...(this.colours ?? [])].map(([code, colour]) => ({ colour, text: code ? String(code) : "none" }));
+    let named = plan?.basins
+      ? this.attractors().map((each) => ({ ...each, text: called(each, plan.name === "map") }))
+      : [...(this.colours ?? [])].map(([code, colour]) => ({ colour, word: "", text: code ? String(code) : "none" }));
+    if (named.reduce((sum, { text }) => sum + c.measureText(text).width + 29, -14) > axes.box.w) named = named.map((each) => ({ ...each, text: each.word || each.text }));
     c.textAlign = "left";
     c.textBaseline = "middle";
     let x = axes.box.x;
@@ -344,17 +345,13 @@ export class ChartView {
     return [{ text: `Periods in the picture: ${periods.join(", ")}${periods.includes(254) ? " or above" : ""}.${shared.length ? ` One colour stands for ${shared.join(", for ")}.` : ""}` }];
   }
 
-  /** The basins in words: each attractor with its share of the picture, and what the chosen state reaches. @param {State} state */
+  /** The basins in words: what the chosen state reaches, and each attractor with its share of the picture. @param {State} state */
   #inWords(state) {
     const plan = /** @type {Plan} */ (this.plan);
     const all = this.attractors();
     const cells = all.reduce((total, each) => total + each.cells, 0);
-    const said = /** @type {import("./state.js").Line[]} */ ([{ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach${this.canvas.dataset.stage === "computing" ? ", so far" : ""}:` }]);
-    for (const each of all.slice(0, 12)) {
-      const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
-      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture`, exact: place });
-    }
-    if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
+    /** @type {import("./state.js").Line[]} */
+    const said = [];
     if (plan.name === "map") {
       const [x, y] = this.#chosen(), at = [x, y].slice(0, plan.names.length), { reached } = this.#follow(at);
       said.push({ text: `From ${this.#states(at.map((each) => numeral(each)))} an orbit reaches: ${called(reached[0], true)}.` });
@@ -365,6 +362,12 @@ export class ChartView {
       const { reached } = free !== u ? { reached: [] } : this.#follow([u, v]);
       if (reached.length) said.push({ text: `From (${numeral(u)}, ${numeral(v)}) the ball reaches: ${called(reached[0])}. “Ball” throws it from there.` });
     }
+    said.push({ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach${this.canvas.dataset.stage === "computing" ? ", so far" : ""}:` });
+    for (const each of all.slice(0, 12)) {
+      const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
+      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture`, exact: place });
+    }
+    if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
     return said;
   }
 

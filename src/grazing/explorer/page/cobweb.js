@@ -97,6 +97,7 @@ export class Cobweb {
       c.lineWidth = width;
       c.setLineDash(dash);
       c.beginPath();
+      if (points.length === 1) c.arc(axes.x(points[0][0]), axes.y(points[0][1]), width / 4, 0, 7); // of a graph too steep to be joined
       points.forEach(([x, y], i) => (i ? c.lineTo(axes.x(x), axes.y(y)) : c.moveTo(axes.x(x), axes.y(y))));
       c.stroke();
       c.setLineDash([]);

@@ -123,10 +123,12 @@ export function portrait(axes, { low, high, orbits, colour, trail, place: [u, v]
 function named(axes, c, orbits) {
   c.textAlign = "left";
   c.textBaseline = "middle";
-  const rest = "of 16 starts", end = axes.box.x + axes.box.w - c.measureText(`… ${rest}`).width;
-  let left = axes.box.x, more = "";
+  const size = (/** @type {string} */ text) => c.measureText(text).width, { x, w } = axes.box;
+  const tight = orbits.length > 0 && 24 + size(orbits[0].name) > w - size("… of 16 starts"); // then the names alone
+  const rest = tight ? "" : "of 16 starts", end = x + w - size(`… ${rest}`);
+  let left = x, more = "";
   for (const { name, colour } of orbits) {
-    const wide = c.measureText(name).width;
+    const wide = size(name);
     if (left + 24 + wide > end) {
       more = "… ";
       break;

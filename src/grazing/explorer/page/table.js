@@ -318,7 +318,7 @@ function spread() {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball (G) to see near balls part.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText("Split the ball (G).", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
@@ -343,7 +343,7 @@ async function start() {
     $("rungs").append(button);
   }
   const link = document.createElement("a");
-  Object.assign(link, { href: "index.html", textContent: "The paper's oscillator" });
+  Object.assign(link, { href: "index.html", textContent: "The paper" });
   $("rungs").append(link);
   $("problem").lastElementChild.addEventListener("click", () => problem(""));
   try {
@@ -437,6 +437,8 @@ function listen() {
   $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(0.8)); // by key
   $("pause").addEventListener("click", pause);
   $("fan").addEventListener("click", split);
+  // a hand that has pressed a button plays on by keys: Space launches, and presses it not again
+  document.addEventListener("click", ({ detail, target }) => detail && /** @type {Element} */ (target).closest("button") && canvas.focus({ preventScroll: true }));
   $("edit").addEventListener("click", () => edit.turn(!edit.on));
   $("replay").addEventListener("click", () => replay());
   $("sound").addEventListener("click", () => {

@@ -35,7 +35,7 @@ export function fromLink(hash, tables) {
   if (hash.length < 2) return null;
   const given = new URLSearchParams(hash.slice(1)), table = given.get("table") ?? "";
   if (Number(given.get("v")) > VERSION) throw new Error("it was made by a newer version of the page");
-  if (!Object.hasOwn(tables, table)) throw new Error(`there is no table ${table.slice(0, 40)}`);
+  if (!Object.hasOwn(tables, table)) throw new Error(table ? `there is no table ${table.slice(0, 40)}` : "it names no table");
   const { params, objects } = tables[table];
   /** @type {Linked} */
   const found = { table, changes: {}, start: null, presses: {}, nudges: [] };
