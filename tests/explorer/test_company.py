@@ -9,6 +9,13 @@ import pytest
 
 import grazing as gz
 from grazing.cli.app import main
+from tests.explorer.browser import LOADED
+
+
+@pytest.fixture
+def kept():
+    return True
+
 
 BALL = "explorer.views.ball"
 CHAOTIC = "alpha=0.2&omega=2.6&offset=0.14&V=0.1"
@@ -127,6 +134,7 @@ def test_balls_come_together_on_a_periodic_orbit(shown, address):
     assert shown.page.evaluate(f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])") < 1e-3
 
 
+@LOADED
 def test_every_push_counts_once_however_long_frames_take(shown, address):
     """Frames of 100 ms and more, as on a busy machine, end at a push now and then, but for rounding."""
     shown.page.add_init_script("let at = 0; window.requestAnimationFrame = (f) => setTimeout(() => f((at += 100)), 1);")

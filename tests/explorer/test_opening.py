@@ -8,6 +8,12 @@ import pytest
 import grazing as gz
 from tests.explorer.browser import Shown
 
+
+@pytest.fixture
+def kept():
+    return True
+
+
 BALL = "explorer.views.ball"
 
 

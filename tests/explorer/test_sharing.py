@@ -12,7 +12,13 @@ from grazing.cli.app import main
 from grazing.cli.explore import explore
 from grazing.explorer.onefile import bundle, page
 from grazing.outcome import InputError
-from tests.explorer.browser import Shown
+from tests.explorer.browser import LOADED, Shown
+
+
+@pytest.fixture
+def kept():
+    return True
+
 
 #: What all of it may weigh in one file, in bytes.
 HEAVIEST = 900_000
@@ -39,6 +45,7 @@ def hosted(tmp_path):
         thread.join()
 
 
+@LOADED
 @pytest.mark.parametrize("where", ["/", "/page/"])
 def test_a_folder_shows_the_page_at_its_root_and_where_older_links_lead(shown, hosted, where):
     shown.open(f"{hosted}{where}#version=2&view=gap&lam=0.8&l=1&mu=0.5&columns=50")
@@ -207,6 +214,7 @@ def test_every_change_of_scene_is_a_step_back(shown, address):
     assert shown.problem() == ""
 
 
+@LOADED  # a history has 50 steps at most
 def test_moves_of_a_slider_are_no_steps(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")
     shown.link()

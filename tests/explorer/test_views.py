@@ -94,22 +94,19 @@ def pixels_of(data):
 
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("scene", SCENES)
-def test_a_picture_is_saved_whole_and_as_vectors(browser, address, tmp_path, scene, scheme):
-    context = browser.new_context(viewport={"width": 1280, "height": 800}, color_scheme=scheme)
-    page = Shown(context.new_page())
-    page.open(f"{address}#version=2&{SCENES[scene]}")
-    if scene == "ball":
-        page.page.click("#step")
-    bitmap = np.asarray(Image.open(saved(page, "png", tmp_path)).convert("RGB")).astype(int)
-    path = saved(page, "svg", tmp_path)
-    sheets = page.page.evaluate(
-        "() => [...document.querySelectorAll('main canvas')].filter(c => c.offsetParent).map(c => { "
-        "const { left, top } = c.getBoundingClientRect(); return [left, top, c.toDataURL()]; })"
-    )
-    vectors = pixels_of(page.page.evaluate(DRAWN, f"data:image/svg+xml,{quoted(path.read_text(encoding='utf-8'))}"))
-    link = page.link()
-    context.close()
-    assert page.errors == []
+def test_a_picture_is_saved_whole_and_as_vectors(pages, address, tmp_path, scene, scheme):
+    with pages(True, viewport={"width": 1280, "height": 800}, color_scheme=scheme, reduced_motion="reduce") as page:
+        page.open(f"{address}#version=2&{SCENES[scene]}")
+        if scene == "ball":
+            page.page.click("#step")
+        bitmap = np.asarray(Image.open(saved(page, "png", tmp_path)).convert("RGB")).astype(int)
+        path = saved(page, "svg", tmp_path)
+        sheets = page.page.evaluate(
+            "() => [...document.querySelectorAll('main canvas')].filter(c => c.offsetParent).map(c => { "
+            "const { left, top } = c.getBoundingClientRect(); return [left, top, c.toDataURL()]; })"
+        )
+        vectors = pixels_of(page.page.evaluate(DRAWN, f"data:image/svg+xml,{quoted(path.read_text(encoding='utf-8'))}"))
+        link = page.link()
     # the bitmap holds every sheet that is seen, as it is seen
     assert len(sheets) == {"gap": 2, "oscillator": 2, "strobe": 2, "ball": 3}.get(scene, 1)
     left, top = (min(sheet[i] for sheet in sheets) for i in (0, 1))
@@ -560,22 +557,18 @@ def test_what_cannot_be_shown_is_explained(shown, address, fragment, said):
 
 
 @pytest.mark.parametrize("scene", SCENES)
-def test_on_a_phone_the_picture_stays_while_a_slider_is_moved(browser, address, scene):
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    page = Shown(context.new_page())
-    page.open(f"{address}#version=2&{SCENES[scene]}")
-    assert page.page.evaluate("() => document.documentElement.scrollWidth") <= 390
-    figure, controls = (page.page.locator(name) for name in (".first:visible", "#controls"))
+def test_on_a_phone_the_picture_stays_while_a_slider_is_moved(phone, address, scene):
+    phone.open(f"{address}#version=2&{SCENES[scene]}")
+    assert phone.page.evaluate("() => document.documentElement.scrollWidth") <= 390
+    figure, controls = (phone.page.locator(name) for name in (".first:visible", "#controls"))
     assert figure.bounding_box()["y"] < controls.bounding_box()["y"]
-    sliders = page.page.locator("#controls input[type=range]:visible")
+    sliders = phone.page.locator("#controls input[type=range]:visible")
     assert sliders.count() >= 3
     for i in (0, sliders.count() - 1):
-        page.page.evaluate("e => e.scrollIntoView({ block: 'center' })", sliders.nth(i).element_handle())
+        phone.page.evaluate("e => e.scrollIntoView({ block: 'center' })", sliders.nth(i).element_handle())
         seen, slider = figure.bounding_box(), sliders.nth(i).bounding_box()
         assert seen["y"] >= -1 and seen["y"] + seen["height"] < slider["y"]  # all of it, and nothing over the slider
         assert slider["y"] + slider["height"] < 844
-    context.close()
-    assert page.errors == []
 
 
 # ---- browsers that lack something

@@ -45,7 +45,7 @@ def test_orbits_branches_and_exponents_are_those_of_the_oscillator():
     ours, theirs = (gz.continuation(R, orbit, "B.r", (0.5, 0.6)).special for R, orbit in ((P, one), (Q, other)))
     assert [one.type for one in ours] == ["gr"]  # the oscillator's branch goes on beyond its graze
     assert theirs[0].type == "gr" and abs(ours[0].value - theirs[0].value) < 1e-9
-    values, few = np.array([0.55, 0.6]), {"transient": 100, "keep": 30, "threads": 1}
+    values, few = np.array([0.55, 0.6]), {"transient": 100, "keep": 30, "threads": 1, "arithmetic": "strict"}
     a, b = (
         gz.lyapunov(R, "B.r", values, starts=start[None], **few)
         for R, start in ((P, one.points[0]), (Q, other.points[0]))
@@ -76,7 +76,7 @@ def test_the_letters_of_a_billiard_are_its_walls():
     start = (0.5, 0.7, 0.9, -0.8)
     letters = "".join(map(P.letters.symbol, P.orbit(start, 12).letters.tolist()))
     assert letters == "".join(gz.trajectory(walls, start, until=30.0, samples=2).impact_wall.values[:12])
-    assert "exponent_per_time" not in gz.lyapunov(P, "r", [1.0], starts=2, transient=2, keep=4, threads=1)
+    assert "exponent_per_time" not in gz.lyapunov(P, "r", [1.0], starts=2, transient=2, keep=4, threads=1, arithmetic="strict")
 
 
 def test_the_laws_of_maps_hold_and_copies_are_equal():

@@ -96,7 +96,8 @@ def grazing_starts(m, n, seed):
 
 
 LAW, WEAK = gz.active(r=0.8, V=0.4), gz.active(r=0.6, V=0.3)
-ONE, TWO, THREE = (1.0,), (0.9, 0.3), (0.8, 0.0, 0.35)
+#: The first two have the same kernels, which in strict arithmetic other tests need too.
+ONE, TWO, THREE = (1.0, 0.0), (0.9, 0.3), (0.8, 0.0, 0.35)
 #: Damping, stiffness, harmonics of the force, distance of the walls, motion of the first and of the second wall.
 BUILT = {
     "over-damped": (3.0, 1.0, ONE, 0.35, None, None),
@@ -132,7 +133,7 @@ def wrong_decisions(name, n, seed):
     P = gz.stroboscopic_map(m)
     missed = false = 0
     for found in ways(
-        P, [list(P.params.values())], start[None], 1, ("strict", "fast") if m.harmonics == 1 else ("fast",)
+        P, [list(P.params.values())], start[None], 1, ("strict", "fast") if m.harmonics == 2 else ("fast",)
     ):
         said = np.array(["0AB".index(P.letters.symbol(int(x)).strip("()")[0]) - 1 for x in found.letters[0, 0]])
         missed += (said != first)[crosses].sum()
@@ -195,7 +196,8 @@ WALLS = {
 @pytest.mark.parametrize("models", [60, pytest.param(1500, marks=pytest.mark.long)])
 @pytest.mark.parametrize("walls", WALLS)
 def test_random_models_are_flown_as_by_the_scalar_routine(walls, models):
-    P = gz.stroboscopic_map(gz.Oscillator(3.0, 1.0, gz.Forcing(omega=2.2, sin=(0.1,)), walls=WALLS[walls]))
+    force = gz.Forcing(omega=2.2, sin=(0.1, 0.0))
+    P = gz.stroboscopic_map(gz.Oscillator(3.0, 1.0, force, walls=WALLS[walls]))
     rows, random = random_rows(P, models, 4)
     boxes = P.origin.boxes(rows)
     lanes = random.uniform(boxes[:, :, :1], boxes[:, :, 1:], (models, 2, 12))
