@@ -172,7 +172,7 @@ def another():
         return (x * p.lam + p.mu - p.l,), 0, 0
 
     box, params = ((-1.0, 1.0),), {"lam": 0.5, "mu": 0.1, "l": 0.1}
-    return gz.Map(step, params=params, coordinates=("x",), box=box, letters="LR", name="gap map")
+    return gz.Map(step, params=params, coordinates=("x",), box=box, name="gap map")
 
 
 def test_a_worker_that_does_not_see_the_disk(tmp_path, monkeypatch):

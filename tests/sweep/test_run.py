@@ -13,7 +13,7 @@ from grazing import sweep
 from grazing.io import load, save
 from grazing.studies.plan import Plan, run_plan
 from grazing.sweep.template import _host
-from tests.sweep.plans import Orbits, files, finish, own_map, plan
+from tests.sweep.plans import Orbits, files, finish, logistic, own_map, plan
 
 
 @pytest.mark.parametrize(
@@ -157,7 +157,7 @@ def test_chunks_of_nothing_but_zeros_have_files(tmp_path):
             {"P": gz.gap_map(lam=0.6, mu=0.1, l=0.1), "keep": 6},
             r"keep is 4 there and 6 here; params.lam is 0.5 there and",
         ),
-        ({"P": own_map(), "name": "a"}, "map is 'gap map' there and 'logistic' here; params.a is 3.2 here only"),
+        ({"P": own_map(), "name": "a"}, "letters is 'L' here only; map is 'gap map' there and 'logistic' here; params.a"),
     ],
 )
 def test_another_sweep_is_refused_by_what_differs(tmp_path, changed, said):
@@ -192,6 +192,26 @@ def test_other_code_is_refused_unless_allowed(tmp_path):
     said = "2 of 4 chunks by the code that the sweep was begun with; 2 by other code (code is '"
     assert found.attrs["grazing_mixture"].startswith(said) and f"mixture: {said}" in str(sweep.status(store))
     assert load(save(found, tmp_path / "a.nc")).identical(found)
+
+
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ({"tangent": lambda x, p: (x, 0, 0, (1.0,))}, {"tangent": lambda x, p: (x, 0, 0, (2.0,))}, "code is '"),
+        ({}, {"prepare": lambda p: p}, "code is '"),
+        ({"escape": 9.0}, {"escape": 0.5}, "escape is 9.0 there and 0.5 here"),
+        ({"letters": "L"}, {"letters": "R"}, "letters is 'L' there and 'R' here"),
+    ],
+)
+def test_all_that_a_map_of_ones_own_consists_of_is_looked_at(tmp_path, before, after, said):
+    """The step alone was: a sweep went on, in silence, with another derivative, other values or other letters."""
+
+    def of(parts):
+        return plan(P=gz.Map(logistic, params={"a": 3.2}, box=((0.0, 1.0),), **parts), name="a")
+
+    sweep.run(of(before), tmp_path / "a.zarr", shard=(1, 2), chunk=2)
+    with pytest.raises(gz.InputError, match=f"a.zarr (holds another sweep|was begun by other code): {said}"):
+        sweep.run(of(after), tmp_path / "a.zarr")
 
 
 def test_another_version_is_refused_by_name(tmp_path, monkeypatch):

@@ -106,7 +106,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
 
     def __init__(self, function: FunctionType, content: str, units: Sequence[Any], announce: str) -> None:
         ways = "plain" if plain() else text("grazing.kernel.pipeline") + text("grazing.kernel.wide")
-        # the same bytecode may be that of several Pythons, whose interfaces for C, and what is pickled, are not the same
+        # one bytecode may be that of several Pythons, whose interfaces for C, and what is pickled, are not the same
         versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__} {EXTENSION_SUFFIXES[0]}"
         self._stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
         self._name, self._py_func, self._announce = repr(function), function, announce

@@ -30,13 +30,13 @@ LIBRARIES = {"math", "cmath", "numpy", "numba"}
 Known = dict[FunctionType, str]
 
 
-def digest(function: Callable[..., Any], known: Known | None = None) -> str:
+def digest(function: Callable[..., Any] | tuple[Any, ...], known: Known | None = None) -> str:
     """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
 
     Parameters
     ----------
     function : callable
-        A plain Python function.
+        A plain Python function, or a tuple of them.
     known : dict, optional
         Hashes of functions met before; those met now are added.
 

@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.kernel.content import digest
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import InputError, shown
@@ -126,7 +125,7 @@ def graph(
     }
     attrs = labels.document(P, f"graph of the {P.name or 'map'} in {name}", config)
     if len(maps) > 1:  # the code of both decides the numbers
-        code = " ".join(digest(each.step) for each in maps)
+        code = " ".join(map(labels.map_code, maps))
         attrs["grazing_code_sha256"] = hashlib.sha256(code.encode()).hexdigest()
     return xr.Dataset(data, coords, attrs)
 

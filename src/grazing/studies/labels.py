@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import math
 import sys
 from collections.abc import Mapping
 from functools import cache
@@ -113,13 +114,15 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
     -------
     dict
         ``title``, ``source``, ``references``, ``grazing_config`` (JSON, keys sorted), ``grazing_config_sha256`` of
-        that text, ``grazing_code_sha256`` of the step's bytecode and all that it names (another Python, another
+        that text, ``grazing_code_sha256`` of the map's bytecode, see :func:`map_code` (another Python, another
         bytecode: that is why it stands beside the configuration), ``grazing_versions`` (JSON), and
         ``grazing_processor``, for which fast arithmetic was compiled: *any* for strict arithmetic; of a model in SI
         units ``mass``, in kg.
     """
     described = {"map": P.name, "coordinates": list(P.coordinates), "params": dict(P.params), **config}
     described |= P.origin.config
+    described |= {"escape": P.escape} if math.isfinite(P.escape) else {}
+    described |= {"letters": P.letters} if isinstance(P.letters, str) and is_own(P) else {}
     text = json.dumps(described, sort_keys=True, separators=(",", ":"), allow_nan=False)
     return {
         "title": title,
@@ -128,11 +131,21 @@ def document(P: Map, title: str, config: Mapping[str, Any]) -> Attributes:
         "Conventions": "CF-1.11",
         "grazing_config": text,
         "grazing_config_sha256": hashlib.sha256(text.encode()).hexdigest(),
-        "grazing_code_sha256": digest(P.step),
+        "grazing_code_sha256": map_code(P),
         "grazing_versions": json.dumps(versions(), sort_keys=True),
         **P.origin.attributes,
         "grazing_processor": "any" if config.get("arithmetic") == "strict" else processor(),
     }
+
+
+def is_own(P: Map) -> bool:
+    """Whether a map is none of the library's."""
+    return P.origin.replace is None
+
+
+def map_code(P: Map) -> str:
+    """Return a hash of the code of a map: of its step, and of all functions of one of the user's own."""
+    return digest((P.step, P.prepare, P.tangent) if is_own(P) else P.step)
 
 
 def own_version() -> str:

@@ -8,8 +8,7 @@ from functools import cache, lru_cache
 from pathlib import Path
 
 from grazing.kernel.compile import processor
-from grazing.kernel.content import digest
-from grazing.studies.labels import versions
+from grazing.studies.labels import map_code, versions
 from grazing.studies.plan import Plan
 
 #: The parts of this package that numbers come from.
@@ -24,12 +23,12 @@ ANY = "any"
 def made_by(plan: Plan) -> dict[str, str]:
     """Return what makes the chunks of a plan in this process.
 
-    ``code`` is the SHA-256 of the step, ``package`` that of the text of this package as far as numbers come from it;
-    then the arithmetic, the processor and the system, which are *any* in strict arithmetic, and the versions.
+    ``code`` is the SHA-256 of the map's functions, ``package`` that of the text of this package as far as numbers come
+    from it; then the arithmetic, the processor and the system, which are *any* in strict arithmetic, and the versions.
     """
     strict = plan.config.get("arithmetic") == "strict"
     return {
-        "code": digest(plan.P.step),
+        "code": map_code(plan.P),
         "package": _package(),
         "arithmetic": str(plan.config.get("arithmetic", "")),
         "processor": ANY if strict else processor(),
