@@ -199,7 +199,7 @@ def limited(seconds=SECONDS):
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            warnings.filterwarnings("ignore", message="the reset law|the gap is|a compiled kernel could not be kept")
+            warnings.filterwarnings("ignore", message="the reset law|the gap is|the search flies|a compiled kernel could not be kept")
             yield
     finally:
         signal.alarm(0)
