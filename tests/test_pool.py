@@ -119,6 +119,26 @@ def test_an_exception_in_progress_stops_the_work(threads):
 
 
 @pytest.mark.parametrize("threads", [1, 2])
+def test_progress_is_told_of_a_long_task_before_it_is_done(threads, monkeypatch):
+    """One cell that takes minutes was silent until its end."""
+    monkeypatch.setattr(pool, "STILL", 0.0)
+    told, heard = [], threading.Event()
+
+    def long():
+        for _tile in range(1000):
+            yield
+            if heard.wait(0.01):
+                return
+
+    def progress(*done):
+        told.append(done)
+        heard.set()
+
+    run_tasks([long] * threads, threads, progress)
+    assert told[0] == (0, threads) and told[-1] == (threads, threads)
+
+
+@pytest.mark.parametrize("threads", [1, 2])
 def test_ctrl_c_stops_the_work_within_a_tile(threads):
     endless = Endless()
 

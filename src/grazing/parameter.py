@@ -151,9 +151,11 @@ def in_order(values: Any) -> Any:
 
 
 def refuse_ends(low: float, high: float, said: str) -> None:
-    """Raise InputError for the ends of a range, which are ``said``, unless the first is the lower one."""
+    """Raise InputError for the ends of a range, which are ``said``, unless the first is lower and the range finite."""
     if not low < high:
         raise InputError(f"{said}; {'both ends are the same' if low == high else 'the lower end must come first'}")
+    if high - low == math.inf:
+        raise InputError(f"{said}; the ends are so far apart that no double holds how far")
 
 
 def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:

@@ -6,6 +6,7 @@ import os
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_EXCEPTION, ThreadPoolExecutor, wait
 from threading import Event, RLock
+from time import monotonic
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,8 @@ LOCK = RLock()
 if hasattr(os, "register_at_fork"):  # a fork has none of the other threads, and waits for none
     os.register_at_fork(after_in_child=LOCK._at_fork_reinit)  # type: ignore[attr-defined]
 
+#: Seconds after which progress is told once more though no task has finished.
+STILL = 1.0
 Progress = Callable[[int, int], Any]
 #: A task does its work tile by tile, each well under 0.2 s, and yields after every tile.
 Task = Callable[[], Iterator[None]]
@@ -49,7 +52,7 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
     threads : int, optional
         None for one per processor.
     progress : callable, optional
-        ``progress(done, total)``, called from the calling thread.
+        ``progress(done, total)``, called from the calling thread as tasks finish, and about once a second meanwhile.
 
     Raises
     ------
@@ -57,13 +60,20 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
         For threads that are not a whole number >= 1, or a progress that cannot be called.
     """
     workers, progress = workers_of(threads), checked_progress(progress)
+    last = monotonic()
+
+    def told(done: int, news: bool) -> None:
+        nonlocal last
+        if progress is not None and (news or monotonic() - last > STILL):
+            last = monotonic()
+            progress(done, len(tasks))
+
     order = np.argsort(mixed(np.arange(len(tasks), dtype=np.uint64))) if len(tasks) > 1 else range(len(tasks))
     if workers == 1 or len(tasks) <= 1:
-        for done, i in enumerate(order, start=1):
+        for done, i in enumerate(order):
             for _tile in tasks[i]():
-                pass
-            if progress is not None:
-                progress(done, len(tasks))
+                told(done, False)
+            told(done + 1, True)
         return
     stop = Event()
 
@@ -79,8 +89,7 @@ def run_tasks(tasks: Sequence[Task], threads: int | None = None, progress: Progr
             finished, pending = wait(pending, timeout=0.1, return_when=FIRST_EXCEPTION)
             for one in finished:
                 one.result()
-            if progress is not None and finished:
-                progress(len(tasks) - len(pending), len(tasks))
+            told(len(tasks) - len(pending), bool(finished))
     finally:
         stop.set()
         pool.shutdown(cancel_futures=True)

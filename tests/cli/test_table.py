@@ -111,7 +111,7 @@ def test_studies_of_maps_take_a_table(capsys, folder):
         (["launches", "--table", "classic", "bumper1.V=-3"], "bumper1.V = -3; allowed is"),
         (["launches", "--table", "classic", "bumper9.V=3"], "unknown parameter; did you mean"),
         (["launches", "--table", "classic", "place=1:2:3"], "unknown coordinate; allowed are angle, speed"),
-        (["launches", "--table", "classic", "--map", "collision"], "launches need a map of launches"),
+        (["launches", "--table", "classic", "--map", "collision"], "--map = 'collision'; allowed are launch"),
         (["basins", "--table", "classic", "--map", "impact"], "allowed are collision, launch"),
         (["basins", "--map", "launch"], "map = 'launch'; allowed are stroboscopic"),
         (["windows", "--table", "classic", "rho=0.1:0.2", "--N", "3"], "windows is offered for oscillators only"),

@@ -1,5 +1,7 @@
 """All branches of a word or a period: each followed once, with windows and loci, or a message that says what to try."""
 
+import re
+
 import numpy as np
 import pytest
 import xarray as xr
@@ -64,3 +66,16 @@ def test_nothing_found_says_what_was_tried():
         branches(P, "d", (0.02, 0.03), word="001", starts=50)
     table = branches(P, "d", (0.02, 0.03), word="001", starts=50, virtual=True)
     assert not table.admissible.values.any() and table.sizes["window"] == 0
+
+
+def test_all_branches_share_a_limit_of_points_and_values_are_counted():
+    """An orbit was followed anew from each value where ``limit`` cut its branch: of thousands that took minutes."""
+    G, bounds, counted = gz.gap_map(lam=0.8, mu=0.5, l=1.0), (0.05, 0.9), []
+    every = branches(
+        G, "mu", bounds, period=[1, 2, 3], limit=5, virtual=True, progress=lambda *done: counted.append(done)
+    )
+    assert counted[0] == (0, 9) and counted[-1] == (9, 9) and counted == sorted(counted)
+    assert every.sizes["point"] > 60 and "a larger limit (points)" not in every.attrs["unfinished"]
+    few = branches(G, "mu", bounds, period=[1, 2, 3], limit=5, virtual=True, points=30)
+    assert few.sizes["point"] < 50
+    assert re.search(r"30 points in all was reached at mu = 0\.\d+; a larger limit \(points\)", few.attrs["unfinished"])

@@ -381,3 +381,12 @@ def test_a_start_in_millimetres_in_the_shell_is_that_in_metres(capsys):
     assert load("a.nc").u.values.tolist() == load("b.nc").u.values.tolist()
     assert main(["trajectory", "u=1 mm", "v=0"]) == 2  # without a rig there are no units
     assert "state[0] = '1 mm' is not a real number" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("kind", ["vary", "si"])
+def test_a_frequency_of_a_rig_that_is_too_low_is_refused_in_its_own_unit(kind):
+    low = {"vary": {"frequency": "1e-300:1:3"}} if kind == "vary" else {"vary": {"gap": "1e-4:1e-3:2"}}
+    si = {name: x for name, x in SI.items() if name not in ("frequency", "gap")}
+    si |= {"gap": 1e-3} if kind == "vary" else {"frequency": 1e-300}
+    with pytest.raises(InputError, match=r"frequency = 1e-300; allowed is 1\.59e-61 <= frequency <= 1\.59e\+59"):
+        checked({"study": "diagram", "si": si, "parameters": {"r": 0.7}, **low})

@@ -108,6 +108,7 @@ def test_text_and_lists_say_the_same(name, check, value):
     [
         (pairs, "0:1:2", "give low:high"),
         (pairs, [[1.0, 0.0]], "the lower end must come first"),
+        (pairs, [[-1e308, 1e308]], "so far apart that no double holds how far"),
         (pairs, [[1.0, 1.0]], "box = 1:1; both ends are the same"),
         (pairs, 3, "low:high for each coordinate"),
         (states, 0, "a whole number >= 1, or states"),

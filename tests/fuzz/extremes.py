@@ -19,6 +19,8 @@ from grazing import GrazingError
 
 #: Seconds and bytes of one trial.
 SECONDS, MEMORY = 30, 3 * 2**30
+#: How warnings begin that answer.
+OURS = "the reset law|the gap is|the search flies|a compiled kernel could not be kept"
 
 NUMBERS = [
     0,
@@ -199,7 +201,7 @@ def limited(seconds=SECONDS):
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")
-            warnings.filterwarnings("ignore", message="the reset law|the gap is|a compiled kernel could not be kept")
+            warnings.filterwarnings("ignore", message=OURS)
             yield
     finally:
         signal.alarm(0)

@@ -8,6 +8,7 @@ import collections
 import decimal
 import fractions
 import functools
+import itertools
 import types
 
 import matplotlib.pyplot as plt
@@ -189,7 +190,9 @@ def test_names_are_texts_whatever_they_come_from():
         gz.ladder(gz.pinball(), "d", rungs=xr.DataArray("a"))
 
 
-@pytest.mark.parametrize("letters", [5, b"LR", "", "LL", "L R", "\n\t", {"L": 1}, object()])
+@pytest.mark.parametrize(
+    "letters", [5, b"LR", "", "LL", "L R", "\n\t", {"L": 1}, object(), range(10**12), itertools.repeat("L")]
+)
 def test_letters_are_characters_that_a_word_can_be_read_from(letters):
     """Words of an orbit were the same for different letters, and numbers ended in a TypeError of a study."""
     with pytest.raises(gz.InputError, match="letters"):

@@ -152,6 +152,7 @@ def test_no_impact_is_the_flow(name):
             gz.OutsideForm,
             r"no impact follows from \(u, v\) = \(0.06, -0.23\)",
         ),
+        (lambda: gz.zdm_points(FIGURE_2_2, (0.0, -1e300)), gz.InputError, r"v = -1e\+300 is so fast that its square"),
         (lambda: gz.zdm_points(FIGURE_2_2, (-0.5, -0.1)), gz.InputError, r"the ball starts inside the wall"),
     ],
 )

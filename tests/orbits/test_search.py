@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.orbits import search_section
 from grazing.orbits.closure import WHOLE
 from grazing.orbits.search_flights import recorded
 from grazing.orbits.search_impacts import Solutions, Tally, turned
@@ -106,3 +107,12 @@ def test_guesses_are_not_decided_in_ball_arithmetic(monkeypatch):
     assert abs(orbit.points[0, 0] - 12.5 / 4000.0) < 1e-12 and abs(orbit.points[0, 1]) < 1e-12  # it hangs at F/k
     (piece,) = branch.pieces
     assert piece.ends == ("bounds", "bounds")
+
+
+def test_a_search_whose_flights_have_very_many_impacts_says_so_beforehand(monkeypatch, recwarn):
+    P = gz.stroboscopic_map(gz.pinball(V=0.4))
+    gz.periodic_orbits(P, 1, starts=3)
+    assert not len(recwarn)
+    monkeypatch.setattr(search_section, "MANY", 100)
+    with pytest.warns(UserWarning, match=r"flies 3 starts for 255 periods with some \d impacts in each, .* takes long"):
+        gz.periodic_orbits(P, 1, starts=3)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.catalogue import windows as windows_study
 from grazing.cli import main
 from grazing.orbits import word_windows
 from grazing.outcome import InputError
@@ -107,6 +108,21 @@ def test_what_a_wrong_call_is_told():
         gz.windows(rattle(), "r")
     with pytest.raises(InputError, match="orders of walls; an oscillator with one wall"):
         gz.windows(gz.pinball(), "d", words="A")
+
+
+def test_values_are_counted_and_an_orbit_that_is_not_followed_is_named(monkeypatch):
+    """Where one was not, as beside a branch point, all windows were lost to its message."""
+    counted = []
+
+    def broken(*_begin, **_limits):
+        raise gz.GrazingError("no other branch was found")
+
+    monkeypatch.setattr(word_windows, "continuation", broken)
+    found = gz.windows(pair(), "B.sigma", 1, (3.0, 9.5), samples=2, progress=lambda *done: counted.append(done))
+    assert counted[0] == (0, 2) and counted[-1] == (2, 2)
+    assert found.sizes["window"] == 0 and "no other branch was found" in found.attrs["not_followed"]
+    told = windows_study.words(windows_study.found(found), found, {"vary": ["B.sigma"]})
+    assert any(line.startswith("not followed: <ImpactOrbit (AB), ") for line in told)
 
 
 def test_the_shell_and_the_figure(capsys, tmp_path, monkeypatch):

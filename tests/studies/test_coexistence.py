@@ -311,3 +311,8 @@ def test_the_table_of_attractors_takes_little_beside_what_it_is_made_of(monkeypa
     monkeypatch.setattr(gz.Map, "replace", None)  # nothing changes, so that no map is asked
     values, last = np.linspace(0.0, 0.1, 500), np.zeros((500, 100, 1))
     assert not changes(gz.gap_map(0.8, 0.1, 0.2), "mu", values, reached, periods, table, last, 10, 10)
+
+
+def test_orbits_that_left_the_numbers_settle_nowhere_and_warn_of_nothing(recwarn):
+    found = coexistence(gz.gap_map(0.5, 0.1, 0.2), "mu", [1e308, -1e308], starts=2, transient=5, keep=4)
+    assert not len(recwarn) and (found.steps.values == NEVER).any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from collections.abc import Mapping
 from typing import Any
@@ -22,7 +23,9 @@ def found(result: Any) -> dict[str, Any]:
             for e, side in enumerate(edges):
                 row[f"{side}_derivatives"] = dict(zip(moved, slopes[e].tolist(), strict=True))
                 row[f"{side}_errors"] = dict(zip(moved, errors[e].tolist(), strict=True))
-    return {"windows": rows, "span": list(result.attrs["span"]), "meanings": meanings(result["low_type"])}
+    found = {"windows": rows, "span": list(result.attrs["span"]), "meanings": meanings(result["low_type"])}
+    failed = result.attrs.get("not_followed")
+    return {**found, "not_followed": json.loads(failed)} if failed else found
 
 
 def slope(x: float, error: float) -> str:
@@ -42,6 +45,7 @@ def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> l
     [name] = recipe["vary"]
     low, high = found["span"]
     unit = unit_in(result, "low")
+    left_out = [f"not followed: {why}" for why in found.get("not_followed", ())]
     rows = [
         [
             f"{w['N']} {w['word']}" if "word" in w else str(w["N"]),
@@ -54,7 +58,7 @@ def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> l
         asked = ", ".join(map(str, result.attrs["N"]))
         asked += f" of {result.attrs['words']}" if "words" in result.attrs else ""
         none = f"no window with N = {asked} for {name} from {low:g} to {high:g} {unit}".rstrip()
-        return [f"{none}; try another range, or other periods with --N", ""]
+        return [f"{none}; try another range, or other periods with --N", *left_out, ""]
     head = ["N" if "word" not in result else "N word", f"{headed(name, unit)} from", "", "to", "", "piece of the law"]
     if {row[-1] for row in rows} == {"whole"}:  # of a law in one piece there is nothing to say
         head, rows = head[:-1], [row[:-1] for row in rows]
@@ -73,7 +77,7 @@ def words(found: Mapping[str, Any], result: Any, recipe: Mapping[str, Any]) -> l
             for side in ("low", "high")
         ]
         said += ["", f"derivatives of the edges in {name}:", *aligned(["edge", *moved], slopes)]
-    return [*said, ""]
+    return [*said, *left_out, ""]
 
 
 def prove(of: Any, found: Any) -> list[Row]:

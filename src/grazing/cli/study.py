@@ -166,7 +166,8 @@ def underway(study: Study, recipe: Mapping[str, Any], quiet: bool) -> AbstractCo
     """Give what shows how far a study is: a count, or what is going on where it has nothing to count."""
     if study.takes_long and not study.has("progress"):
         return progress.said(study.takes_long, quiet)
-    return progress.counted("values" if len(recipe["vary"]) == 1 else "cells", quiet, study.takes_long)
+    what = "steps" if not study.most else "values" if len(recipe["vary"]) == 1 else "cells"
+    return progress.counted(what, quiet, study.takes_long)
 
 
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted | None) -> Any:

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from grazing.maps.map import Map
 from grazing.orbits.branch import Branch, Unsettled, followed
-from grazing.orbits.branch_search import Piece, Work
+from grazing.orbits.branch_search import SHARE, Piece, Work
 from grazing.orbits.branch_windows import between, windows_of_piece
 from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit
@@ -27,8 +27,8 @@ Floats = NDArray[np.float64]
 
 #: Orbits whose points differ by less than this part of the map's box are one.
 SAME = 1e-6
-#: Branches that are begun at most; part of all points that one of them may take; step and points of one piece.
-MOST, SHARE, STEP, LIMIT = 200, 0.25, 0.03, 2000
+#: Branches that are begun at most; step and points of one piece.
+MOST, STEP, LIMIT = 200, 0.03, 2000
 #: The word of the orbit of an oscillator without impacts.
 FREE = "0"
 #: Why an attractor was not followed that moves along a line of others.
@@ -74,7 +74,7 @@ class Search:
     steps: int
     points: int
     progress: Progress | None = None
-    left: int = field(init=False)
+    work: Work = field(init=False)
     cut: int = 0
     waiting: list[tuple[int, Branch, Special]] = field(default_factory=list)
     branches: list[Branch] = field(default_factory=list)
@@ -83,7 +83,7 @@ class Search:
     unsettled: list[Attractor] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.left = self.points
+        self.work = Work(self.points, self._told)
 
     def scanned(self, scan: xr.Dataset) -> None:
         """Go through all attractors of a scan, short ones first; follow those that lie on no branch."""
@@ -145,19 +145,18 @@ class Search:
 
     def _followed(self, P: Map, orbit: Orbit | Special) -> Branch:
         """Return the branch through an orbit, with at most its share of the points that are left."""
-        if self.left < 2:
+        if self.work.left < 2:
             self.cut += 1
             raise GrazingError(f"the limit of {self.points} points was reached")
-        work = Work(min(self.left, max(int(SHARE * self.points), 2)), self._spent)
+        work = self.work.part(int(SHARE * self.points))
         branch = followed(P, orbit, self.name, self.bounds, STEP, LIMIT, work)
         self.cut += branch.cut
         return branch
 
-    def _spent(self, points: int) -> None:
-        """Count points of branches, and say how many of the limit they are."""
-        self.left = max(self.left - points, 0)
+    def _told(self, _points: int) -> None:
+        """Say how many points of branches were found, of the limit."""
         if self.progress is not None:
-            self.progress(self.points - self.left, self.points)
+            self.progress(self.points - self.work.left, self.points)
 
     @property
     def unfinished(self) -> str:

@@ -11,7 +11,8 @@ import numpy as np
 
 from grazing.compare.search import merged, same_points
 from grazing.maps.map import Map
-from grazing.orbits.branch import Branch, checked_bounds, continuation
+from grazing.orbits.branch import POINTS, Branch, checked_bounds, followed
+from grazing.orbits.branch_search import SHARE, Work
 from grazing.orbits.branch_table import branch_table
 from grazing.orbits.branch_windows import windows_of
 from grazing.orbits.locus import FOLLOWED, Locus, Meeting, same_meeting
@@ -20,7 +21,8 @@ from grazing.orbits.orbit import Orbit
 from grazing.orbits.periodic import periodic_orbits
 from grazing.orbits.special import Special
 from grazing.outcome import GrazingError, InputError
-from grazing.parameter import real
+from grazing.parameter import real, whole
+from grazing.pool import Progress, checked_progress
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -45,7 +47,9 @@ def branches(
     seed: int = 0,
     step: float = 0.03,
     limit: int = 2000,
+    points: int = POINTS,
     threads: int | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Find the orbits of a word or a period at several values of a parameter, and follow each over its whole range.
 
@@ -63,7 +67,13 @@ def branches(
     locus : mapping of str to (low, high), optional
         A second parameter and its range, in which the special points are followed, see :func:`grazing.locus`.
     step, limit
-        As in :func:`grazing.continuation`.
+        As in :func:`grazing.continuation`. An orbit whose branch has reached the limit is followed again from the next
+        value.
+    points : int
+        Most points of all branches together, some 5 ms each; one branch takes at most a quarter. Where the limit is
+        reached, the attribute ``unfinished`` says so.
+    progress : callable, optional
+        ``progress(done, total)``, with numbers of values.
 
     Returns
     -------
@@ -91,7 +101,18 @@ def branches(
     found: list[Branch] = []
     unfollowed: list[str] = []
     size = np.array([b - a for a, b in P.box])
+    most, progress = whole(points, "points", 2), checked_progress(progress)
+    done = 0
+
+    def told(_points: int = 0) -> None:
+        if progress is not None:
+            progress(done, len(values))
+
+    work = Work(most, told)
     for value in values.tolist():
+        if work.left < 2:
+            break
+        told()
         here = P.replace(**{name: value})
         known = [one for branch in found for one in branch.at(value)]
         for orbit in periodic_orbits(
@@ -99,11 +120,17 @@ def branches(
         ):
             if not (orbit.admissible or virtual) or _among(known, orbit, SAME * size):
                 continue
+            if work.left < 2:
+                break
             try:
-                found.append(continuation(here, orbit, name, (low, high), step=step, limit=limit))
+                part = work.part(int(SHARE * most))
+                found.append(followed(here, orbit, name, (low, high), step, limit, part))
                 known += found[-1].at(value)
             except GrazingError as error:
                 unfollowed.append(f"{orbit!r} at {name} = {value:g}: {error}")
+        else:
+            done += 1
+    told()
     if not found:
         what = f"of word {word}" if word is not None else f"of period {', '.join(map(str, period or ()))}"
         tried = ", ".join(f"{value:g}" for value in values[:VALUES])
@@ -115,6 +142,11 @@ def branches(
     branch = merged(found[0].map, name, (low, high), found)
     table = _with_windows(branch_table(branch), branch)
     table.attrs["values"] = values.tolist()
+    if done < len(values):
+        table.attrs["unfinished"] = (
+            f"the limit of {most} points in all was reached at {name} = {values[done]:g}; a larger limit (points), "
+            "a narrower range or fewer orbits are followed to their ends"
+        )
     if unfollowed:
         table.attrs["not_followed"] = json.dumps(unfollowed)
     if locus is not None:

@@ -55,7 +55,8 @@ def parameters(config: Recipe, known: Recipe, elsewhere: set[str]) -> Iterator[P
     config["parameters"] = {
         name: value for name, value in complete.items() if value is not None and name not in elsewhere - chosen
     }
-    if sound and config["map"] != "normal-form":
+    searched = any(complete.get(name) is None for name in chosen & {*known})  # around which value is asked later
+    if sound and not searched and config["map"] != "normal-form":
         filled = {name: _first(config, name) if value is None else value for name, value in complete.items()}
         try:
             map_of({**config, "parameters": filled})

@@ -12,6 +12,7 @@ from grazing.config.problems import Problem
 from grazing.config.values import DEFAULT
 from grazing.config.walls import checked_walls, flat, front_of, last_of, sides_of
 from grazing.oscillator.deflection import warn_of_gap
+from grazing.oscillator.forcing import refuse_out_of_range
 from grazing.oscillator.parameters import COORDINATES, parameter_units
 from grazing.oscillator.si import AMPLITUDES, GAP, SI, SIDES, Numbers, faults_of, si_numbers
 from grazing.outcome import InputError, shown
@@ -273,7 +274,13 @@ class Own(NamedTuple):
 
     def of(self, x: float) -> float:
         """Return its value."""
-        return self.factor * (x if self.power == 1.0 else x**self.power)
+        found = self.factor * (x if self.power == 1.0 else x**self.power)
+        if self == FREQUENCY and found > 0.0:  # what is wrong with it is said of the rig's own quantity
+            refuse_out_of_range(found, "frequency", self.factor)
+        return found
+
+
+FREQUENCY = Own("omega", 2.0 * pi)
 
 
 def _sides(made: Numbers, side: Any, gaps: Mapping[str, Own] | None) -> dict[str, Own]:
@@ -282,7 +289,7 @@ def _sides(made: Numbers, side: Any, gaps: Mapping[str, Own] | None) -> dict[str
     of_base = {} if made.base is not None else {"force": Own("cos1", sign)}
     springs = {"c": Own("alpha", 1.0 / made.mass), "k": Own("k", made.mass**-0.5, 0.5)}
     return {
-        "frequency": Own("omega", 2.0 * pi),
+        "frequency": FREQUENCY,
         "load": Own("d" if gaps is None else "offset", sign),
         **({"gap": Own("sigma", -1.0)} if gaps is None else gaps),
         **springs,

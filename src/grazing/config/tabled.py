@@ -69,6 +69,7 @@ def beside_table(config: dict[str, Any]) -> Problem | None:
         if kind != "stroboscopic":
             return Problem(("map",), f"map = {shown(kind)}; a {study.name} is of the table itself: leave it out")
         return None if study.tables else Problem(("table",), f"{study.name} is offered for oscillators only")
-    if kind not in TABLE_MAPS:
-        return Problem(("map",), partial(unknown_key, kind, TABLE_MAPS, f"map = {shown(kind)}"))
+    allowed = [usual_map(study.name)] if study is not None and study.tables_only else TABLE_MAPS
+    if kind not in allowed:
+        return Problem(("map",), partial(unknown_key, kind, allowed, f"map = {shown(kind)}"))
     return None

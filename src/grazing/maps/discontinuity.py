@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
 from functools import lru_cache
-from math import sqrt
+from math import inf, sqrt
 from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
@@ -290,6 +290,8 @@ def zdm_points(model: Oscillator, state: ArrayLike, phase: float = 0.0) -> ZeroT
     y = u - model.sigma
     if not v < 0.0:
         raise OutsideForm(f"no impact follows from (u, v) = ({u:g}, {v:g}): v = {v:g} must be negative")
+    if not v * v < inf:
+        raise InputError(f"v = {v:g} is so fast that its square overflows; give a slower state")
     x, delta, A, root, V2, U3, V3 = zero_time_of(lambda speed, _p: model.reset(speed))(y, v, c)
     if not x >= 0.0:
         raise OutsideForm(

@@ -66,13 +66,21 @@ def _checked_letters(letters: Any) -> str | Alphabet | None:
     """Return the symbols of letters, or raise InputError for what words cannot be read from."""
     if letters is None or isinstance(letters, Alphabet):
         return letters
+    found: dict[str, None] = {}
+    wrong = InputError(f"letters is {shown(letters)}; give a text with a character for each, all different, as 'LR'")
     try:
-        found = "".join(in_order(letters))
+        for text in in_order(letters):  # each looked at as it comes: there may be no end of them
+            if not isinstance(text, str) or not text:
+                raise wrong
+            for one in text:
+                if one in found or not one.isprintable() or one.isspace():
+                    raise wrong
+                found[one] = None
     except TypeError:
-        found = ""
-    if not found or len({*found}) < len(found) or not all(one.isprintable() and not one.isspace() for one in found):
-        raise InputError(f"letters is {shown(letters)}; give a text with a character for each, all different, as 'LR'")
-    return found
+        raise wrong from None
+    if not found:
+        raise wrong
+    return "".join(found)
 
 
 def _checked_escape(escape: Any) -> float:

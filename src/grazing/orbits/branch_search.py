@@ -38,6 +38,8 @@ from grazing.outcome import abridged, listed
 
 Floats = NDArray[np.float64]
 
+#: Part of all points that one of several branches may take.
+SHARE = 0.25
 #: Part of the range and of its size by which a graze that is noted twice may differ: two test functions vanish there.
 ALIKE = 1e-9
 
@@ -80,6 +82,10 @@ class Work:
         self.left = max(self.left - points, 0)
         if self.told is not None:
             self.told(points)
+
+    def part(self, most: int) -> Work:
+        """Return the work on one thing: at most so much of what is left, and counted here as well."""
+        return Work(min(self.left, max(most, 2)), self.spend)
 
 
 def relabels(equations: Equations, event: Event) -> tuple[Equations, Point] | None:

@@ -37,6 +37,7 @@ def unscaled(equations: Equations, z: Floats) -> tuple[Floats, Floats]:
     return z[:n] * equations.scale, z[n:] * equations.spans
 
 
+@np.errstate(over="ignore", invalid="ignore")  # what leaves the numbers is looked at
 def closed(equations: Equations, x: Floats, p: Floats) -> Floats | None:
     """Solve the equations at fixed parameters by Newton's method; None where it does not converge."""
     x, before, cut = np.array(x, np.float64), np.inf, 0

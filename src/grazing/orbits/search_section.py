@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from math import floor
@@ -12,7 +13,7 @@ from numpy.typing import NDArray
 
 from grazing.kernel.random import uniform
 from grazing.maps.hits import LATER, Hits, Struck
-from grazing.maps.map import Map
+from grazing.maps.map import Map, swift
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.contacts import (
     frames_at,
@@ -33,14 +34,14 @@ from grazing.orbits.orbit import Orbit, condition_of
 from grazing.orbits.search_flights import recorded
 from grazing.orbits.search_impacts import A_FEW, NOTHING, WORK, Solutions
 from grazing.orbits.search_rest import resting_orbits
-from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, simulated
+from grazing.orbits.search_windows import WIDE, drawn, recurrences, refuse_many, simulated, steps_of
 from grazing.orbits.search_words import refuse_impossible
 from grazing.orbits.word import least_rotation, letters_of, word
 from grazing.oscillator.contact import placed
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.frames import seen_at_strobe
 from grazing.oscillator.rig import Rig
-from grazing.outcome import InputError, OutsideForm, shown
+from grazing.outcome import InputError, OutsideForm, level_outside, shown
 
 if TYPE_CHECKING:
     from grazing.orbits.periodic import Searched
@@ -55,6 +56,9 @@ MOST = 2
 GUESSES, AIMED = 200, 4000
 #: Work on the guesses of a word, in that on the flights of one number of impacts: so words of up to 15 get them all.
 MORE = 20
+#: Impacts of all flights together of which a search says beforehand that they take long: some ten seconds; starts and
+#: periods of each that are flown to know it.
+MANY, FEW, A_WHILE = 5_000_000, 8, 3
 #: Most impacts of a word that is looked for.
 MOST_IMPACTS = 200
 #: Forcing periods from one impact to the next that closed forms are tried for, on the impact map.
@@ -156,7 +160,9 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
     wanted = sorted({*search.periods, *(n // 2 for n in search.periods if n % 2 == 0)})
     impacts = search.P.section == "impact"
     P = search.P if impacts else stroboscopic_map(search.model)
-    runs = simulated(P, starts_of(search, P), wanted[-1], search.threads)
+    states = starts_of(search, P)
+    warn_of_many(P, states, steps_of(wanted[-1]))
+    runs = simulated(P, states, wanted[-1], search.threads)
     tally.starts, tally.steps = runs.starts, runs.steps
     for n in wanted:
         window = recurrences(runs, n, search.starts)
@@ -182,6 +188,25 @@ def solutions_of(search: Search, tally: Tally) -> Solutions:
             found.from_outgoing(n, aimed, walls)
         found.images(n)
     return found
+
+
+def warn_of_many(P: Map, states: Floats, steps: int) -> None:
+    """Warn of a search that takes long, as balls hit a wall hundreds of times in a period."""
+    if P.section != "strobe":
+        return
+    starts = states.shape[1]
+    few = states[:, :: -(-starts // FEW)]
+    with warnings.catch_warnings():  # the search itself says what is wrong with a law
+        warnings.simplefilter("ignore")
+        run = swift(P).run_columns(P.packed()[1][None], few[None].copy(), 0, A_WHILE, threads=1)
+    each = impacts_in(P, run.letters.ravel().tolist()) / run.letters.size
+    if starts * steps * each > MANY:
+        warnings.warn(
+            f"the search flies {starts} starts for {steps} periods with some {each:.0f} impacts in each, "
+            f"{starts * steps * each:.1e} in all, which takes long; fewer starts take less",
+            UserWarning,
+            stacklevel=level_outside(),
+        )
 
 
 def starts_of(search: Search, P: Map) -> Floats:

@@ -66,6 +66,11 @@ def refuse_many(P: Map, starts: int, longest: int) -> None:
     refuse_too_large(size, f"reduce starts ({starts}) or period ({longest})", "the search")
 
 
+def steps_of(longest: int) -> int:
+    """Return how many steps each start is flown."""
+    return EARLY + SETTLING + 2 * longest + 1
+
+
 def simulated(P: Map, states: Floats, longest: int, threads: int | None) -> Runs:
     """Fly the starts, shape (dim, n), a while, skip a transient, and fly on for the longest period."""
     row, lanes, P = P.packed()[1][None], states[None].copy(), swift(P)
@@ -77,7 +82,7 @@ def simulated(P: Map, states: Floats, longest: int, threads: int | None) -> Runs
         near = (np.abs(late.points[0] - middle) <= AWAY * half).all(axis=(0, 1))
     alive = ((late.outcomes[0, 0] & FATAL) == 0) & near
     n = states.shape[1]
-    steps = n * (EARLY + SETTLING + 2 * longest + 1)
+    steps = n * steps_of(longest)
     region = region_of(P, points[1:], late.points[0], alive)
     return Runs((points, early.letters[0]), (late.points[0], late.letters[0, 1:]), alive, steps, n, region)
 

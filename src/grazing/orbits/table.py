@@ -11,6 +11,7 @@ from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.windows import windows
 from grazing.oscillator.rig import Rig
 from grazing.outcome import InputError
+from grazing.pool import Progress
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -90,12 +91,13 @@ def window_table(
     samples: int | None = None,
     sensitivity: bool = False,
     words: str | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return the windows of one-impact orbits, with the derivatives of their edges if wanted.
 
     Parameters
     ----------
-    model, name, N, span, samples, words
+    model, name, N, span, samples, words, progress
         As for :func:`grazing.windows`.
     sensitivity : bool
         Whether to add ``derivative`` and ``error`` (window, edge, moved), see :func:`grazing.sensitivity`; the
@@ -110,7 +112,7 @@ def window_table(
     """
     if sensitivity and isinstance(model, Rig) and model.walled:
         raise InputError("derivatives of edges are those of windows over one wall; leave out sensitivity")
-    table = windows(model, name, N, span, samples, words)
+    table = windows(model, name, N, span, samples, words, progress)
     if sensitivity:
         from grazing.orbits.sensitivity import sensitivity as derivatives
 

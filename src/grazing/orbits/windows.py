@@ -25,6 +25,7 @@ from grazing.oscillator.spring import refuse_stiffness
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, checked_periods, refuse_ends, unknown, value_of, whole
+from grazing.pool import Progress, checked_progress
 
 #: What ends a window, in words.
 EDGES = {
@@ -54,6 +55,7 @@ def windows(
     span: tuple[float, float] | None = None,
     samples: int | None = None,
     words: str | Sequence[str] | None = None,
+    progress: Progress | None = None,
 ) -> xr.Dataset:
     """Return every interval of a parameter with a stable admissible one-impact orbit of period N, and why it ends.
 
@@ -78,6 +80,8 @@ def windows(
     words : str or sequence of str
         Between walls: orders of walls, such as ``"A,AB,AABB"``, begun at any of the impacts. Default: each wall alone,
         and to and fro.
+    progress : callable, optional
+        ``progress(done, total)``, with numbers of values that are searched, over one wall for each N.
 
     Returns
     -------
@@ -89,7 +93,8 @@ def windows(
         followed no further), *span*; ``low_phase`` and ``high_phase``, of the forcing at the impact there, omega (t +
         t0) in [0, 2 pi): they tell orbits apart that end at one value; ``piece`` of the reset law: whole, fired,
         passive. Between walls also ``word``, at whose first letter the phases are, ``low_wall`` and ``high_wall``, the
-        wall of a graze, and ``symmetric``; an edge may be *bp*: symmetry breaks.
+        wall of a graze, and ``symmetric``; an edge may be *bp*: symmetry breaks. Orbits that were found and could not
+        be followed are in the attribute ``not_followed``.
 
     Raises
     ------
@@ -127,8 +132,9 @@ def windows(
     ...     print(f"{row.low:.12f} {row.low_type:s} {row.high:.12f} {row.high_type:s}")
     0.098450444937 gr 0.123281449644 pd
     """
+    progress = checked_progress(progress)
     if isinstance(model, Rig) and model.walled:
-        return _between_walls(model, name, N, span, samples, words)
+        return _between_walls(model, name, N, span, samples, words, progress)
     if words is not None:
         raise InputError(f"words = {shown(words)} are orders of walls; an oscillator with one wall has one impact here")
     families(model, 1)  # refuses what is no oscillator, and laws outside the form
@@ -142,12 +148,16 @@ def windows(
     values = np.linspace(low, high, cells + 1)
     found: list[Row] = []
     periods = checked_periods(N)
-    for n in periods:
+    for done, n in enumerate(periods):
+        if progress is not None:
+            progress(cells * done, cells * len(periods))
         for family in families(model, n, name):
             for curve in curves(family, values, model.unit_of(name)):
                 for low_end, high_end in stable_intervals(curve):
                     phases = phase_of(curve, low_end), phase_of(curve, high_end)
                     found.append((n, low_end, high_end, PIECES[family.law], phases))
+    if progress is not None:
+        progress(cells * len(periods), cells * len(periods))
     found.sort(key=lambda window: (window[0], window[1].value, window[2].value))
     return _dataset(model, name, periods, (low, high), cells, found)
 
@@ -157,14 +167,21 @@ def phase_of(curve: Curve, edge: Edge) -> float:
     return float(curve.at(edge.value)[PHASE]) % TWO_PI
 
 
-def _between_walls(model: Rig, name: str, N: Any, span: Any, samples: int | None, words: Any) -> xr.Dataset:
+def _between_walls(
+    model: Rig, name: str, N: Any, span: Any, samples: int | None, words: Any, progress: Progress | None
+) -> xr.Dataset:
     """Return the windows of orbits between walls."""
     checked_name(name, model.params, "the model")
     model.refuse_made([name])
     periods, bounds = checked_periods(N), _span(model, name, span)
     orders = checked_words(model, words)
     values = whole(VALUES if samples is None else samples, "samples", 2)
-    found = word_windows(model, name, periods, orders, bounds, values)
+
+    def told(done: int) -> None:
+        if progress is not None:
+            progress(done, values)
+
+    found, failed = word_windows(model, name, periods, orders, bounds, values, told)
     rows = [(one.N, one.low, one.high, piece_words(one, model), one.phases) for one in found]
     table = _dataset(model, name, periods, bounds, values, rows)
     texts = {"word": [one.word for one in found]}
@@ -174,7 +191,8 @@ def _between_walls(model: Rig, name: str, N: Any, span: Any, samples: int | None
         table[key] = "window", np.array(column, dtype=object), {"long_name": said[key]}
     symmetric = np.array([one.symmetric for one in found], np.int8)
     table["symmetric"] = "window", symmetric, {"long_name": "whether the orbit is its own mirror image"}
-    return table.assign_attrs(title=f"windows of orbits between walls in {name}", words=",".join(orders))
+    table.attrs |= {"title": f"windows of orbits between walls in {name}", "words": ",".join(orders)}
+    return table.assign_attrs(not_followed=json.dumps(failed)) if failed else table
 
 
 def stable_intervals(curve: Curve) -> list[tuple[Edge, Edge]]:

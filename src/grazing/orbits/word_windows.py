@@ -7,7 +7,7 @@ attracts.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from itertools import product
 from typing import Any, NamedTuple
 
@@ -28,9 +28,11 @@ from grazing.orbits.search_flights import recorded
 from grazing.orbits.search_impacts import NOTHING, Solutions
 from grazing.orbits.search_section import GUESSES, Search, starts_of
 from grazing.orbits.search_windows import Runs, recurrences, simulated
+from grazing.orbits.special import Special
 from grazing.orbits.word import least_rotation
 from grazing.oscillator.rig import Rig
-from grazing.outcome import InputError, shown
+from grazing.outcome import GrazingError, InputError, shown
+from grazing.parameter import value_of
 
 #: Pieces of a law, in words.
 PIECES = {WHOLE: "whole", FIRED: "fired", PASSIVE: "passive"}
@@ -84,24 +86,32 @@ def checked_words(model: Rig, words: Any) -> list[str]:
 
 
 def word_windows(
-    model: Rig, name: str, periods: Sequence[int], words: Sequence[str], bounds: tuple[float, float], values: int
-) -> list[WordWindow]:
-    """Return the windows of orbits with these orders of walls; see :func:`grazing.windows`."""
+    model: Rig, name: str, periods: Sequence[int], words: Sequence[str], bounds: tuple[float, float], values: int,
+    told: Callable[[int], None],
+) -> tuple[list[WordWindow], list[str]]:  # fmt: skip
+    """Return the windows of orbits with these orders of walls, and which orbits were not followed.
+
+    ``told(done)`` is called with numbers of values.
+    """
     low, high = bounds
     P = stroboscopic_map(model)
     found: list[WordWindow] = []
     branches: list[Branch] = []
+    failed: list[str] = []
     for share in range(values):
+        told(share)
         value = low + (high - low) * (share + 0.5) / values
         here = P.replace(**{name: value})
         runs = flown(here, max(periods))
         for N in periods:
             for orbit in met(here, N, words, runs):
                 if not any(passes(branch, orbit, value) for branch in branches):
-                    branches += followed(here, orbit, name, bounds)
+                    branches += followed(here, orbit, name, bounds, failed)
+                    told(share)
+    told(values)
     for branch in branches:
         found += [window for window in windows_on(branch, model.names) if fits(window, periods, words)]
-    return distinct(found, ALIKE * (high - low))
+    return distinct(found, ALIKE * (high - low)), failed
 
 
 def flown(P: Map, longest: int) -> Runs:
@@ -152,11 +162,19 @@ def passes(branch: Branch, orbit: ImpactOrbit, value: float) -> bool:
     return False
 
 
-def followed(P: Map, orbit: ImpactOrbit, name: str, bounds: tuple[float, float]) -> list[Branch]:
-    """Return the branch of an orbit, and those that leave it where its symmetry breaks."""
-    first = continuation(P, orbit, name, bounds, points=POINTS)
-    broken = [point for point in first.special if point.type == "bp" and point.admissible]
-    return [first, *(continuation(point.orbit.map, point, name, bounds, points=POINTS) for point in broken)]
+def followed(P: Map, orbit: ImpactOrbit, name: str, bounds: tuple[float, float], failed: list[str]) -> Iterator[Branch]:
+    """Yield the branch of an orbit, and those that leave it where its symmetry breaks; note which are not followed."""
+    waiting: list[tuple[Map, ImpactOrbit | Special]] = [(P, orbit)]
+    while waiting:
+        here, begin = waiting.pop(0)
+        try:
+            branch = continuation(here, begin, name, bounds, points=POINTS)
+        except GrazingError as error:
+            failed.append(f"{begin!r} at {name} = {value_of(name, here.params):g}: {error}")
+            continue
+        if begin is orbit:
+            waiting += [(one.orbit.map, one) for one in branch.special if one.type == "bp" and one.admissible]
+        yield branch
 
 
 def windows_on(branch: Branch, names: str) -> Iterator[WordWindow]:

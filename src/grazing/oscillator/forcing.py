@@ -151,10 +151,13 @@ class Forcing:
         return f"Forcing({', '.join(said)})"
 
 
-def refuse_out_of_range(omega: float) -> None:
-    """Raise InputError for a frequency whose square no double holds."""
+def refuse_out_of_range(omega: float, name: str = "omega", unit: float = 1.0) -> None:
+    """Raise InputError for a frequency whose square no double holds, given by a name in a unit of so many rad/s."""
     if not LOWEST <= omega <= HIGHEST:
-        raise InputError(f"omega = {omega:g}; allowed is {LOWEST:g} <= omega <= {HIGHEST:g}: beyond, numbers overflow")
+        low, high = LOWEST / unit, HIGHEST / unit
+        raise InputError(
+            f"{name} = {omega / unit:g}; allowed is {low:.3g} <= {name} <= {high:.3g}: beyond, numbers overflow"
+        )
 
 
 def series_said(force: Any) -> str:

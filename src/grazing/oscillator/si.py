@@ -212,8 +212,9 @@ def _frequency(frequency: Any, omega: Any) -> float:
     if (frequency is None) == (omega is None):
         both = "neither is" if omega is None else "both are"
         raise InputError(f"{both} given; give frequency, in Hz, or omega, in rad/s")
-    found = _checked(OMEGA, omega) if frequency is None else 2.0 * pi * _checked(FREQUENCY, frequency)
-    refuse_out_of_range(found)  # before forces are divided by its square
+    unit = 1.0 if frequency is None else 2.0 * pi
+    found = unit * (_checked(OMEGA, omega) if frequency is None else _checked(FREQUENCY, frequency))
+    refuse_out_of_range(found, "omega" if frequency is None else "frequency", unit)  # its square divides forces
     return found
 
 

@@ -142,7 +142,7 @@ def _moved(P: Map, x: Floats, N: int, word: str, name: str, value: float) -> Flo
     for parts in PARTS:
         solved: Floats | None = unknowns
         for share in np.arange(1.0, parts + 1.0) / parts:
-            p = np.array([now + share * (value - now)])
+            p = np.array([(1.0 - share) * now + share * value])
             solved = None if solved is None else closed(equations, solved, p)
         if solved is not None:
             there = equations.orbit(solved, np.array([value]))

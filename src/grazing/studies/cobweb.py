@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.maps.map import Map
-from grazing.outcome import InputError
+from grazing.outcome import FATAL, InputError
 from grazing.parameter import whole
+from grazing.pool import Progress, checked_progress
 from grazing.studies import labels
 
 if TYPE_CHECKING:
@@ -19,11 +20,15 @@ if TYPE_CHECKING:
 
 #: Places at which the graph of the map is known, and how far it reaches beyond the orbit, as a part of its length.
 PLACES, MARGIN = 1200, 0.12
+#: Steps that pass by at a time.
+TOGETHER = 1 << 24
 #: What counts as beside a place, in shares of the largest one; alone where all are 0.
 CLOSE = 1e-12
 
 
-def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0) -> xr.Dataset:
+def cobweb(
+    P: Map, state: Sequence[float], steps: int = 100, transient: int = 0, progress: Progress | None = None
+) -> xr.Dataset:
     """Return one orbit of a one-dimensional map, and the graph of the map around it.
 
     Parameters
@@ -34,6 +39,8 @@ def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0)
         Where the orbit starts.
     steps, transient : int
         Steps that are kept, after steps that are thrown away.
+    progress : callable, optional
+        ``progress(done, total)``, called now and then with numbers of steps.
 
     Returns
     -------
@@ -53,10 +60,9 @@ def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0)
     if P.dimension != 1:
         raise InputError(f"the {P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")
     transient, steps = whole(transient, "transient", 0), whole(steps, "steps", 1)
+    progress = checked_progress(progress)
     if transient:  # its steps pass by, but the last, which comes to the first point that is kept
-        kept = steps + 1
-        lanes = P.orbit(state, 0).points.T.copy()
-        points, letters, outcomes = (a[..., 0] for a in P.run(lanes, transient - 1, kept, records=kept))
+        points, letters, outcomes = settled(P, P.orbit(state, 0).points.T.copy(), transient - 1, steps + 1, progress)
         letters, outcomes = letters[1:], outcomes[1:]
     else:
         points, letters, outcomes, *_ = P.orbit(state, steps)
@@ -75,6 +81,25 @@ def cobweb(P: Map, state: Sequence[float], steps: int = 100, transient: int = 0)
     coords = {"place": ("place", place, labels.quantity(P, name))}
     config = {"study": "cobweb", "state": list(state), "steps": steps, "transient": transient}
     return xr.Dataset(data, coords, labels.document(P, f"orbit of the {P.name}", config))
+
+
+def settled(
+    P: Map, lanes: NDArray[np.float64], passing: int, kept: int, progress: Progress | None
+) -> tuple[NDArray[Any], ...]:
+    """Return points, letters and outcomes of so many steps of one orbit, after others that pass by."""
+    total, left, seen = passing + kept, passing, 0
+    while left > TOGETHER:
+        before = lanes.copy()
+        outcome = int(P.run(lanes, TOGETHER, 0)[2].item())
+        if outcome & FATAL:  # it ends here, and stays ended
+            lanes, left = before, TOGETHER
+            break
+        left, seen = left - TOGETHER, seen | outcome
+        if progress is not None:
+            progress(total - kept - left, total)
+    points, letters, outcomes = (a[..., 0] for a in P.run(lanes, left, kept, records=kept))
+    outcomes[0] |= seen
+    return points, letters, outcomes
 
 
 def places_of(points: NDArray[np.floating[Any]]) -> NDArray[np.float64]:

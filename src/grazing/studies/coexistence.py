@@ -163,7 +163,8 @@ def lifetimes(runs: Runs, cells: Ints, found: Columns, period: NDArray[np.int32]
     # a position and a velocity have no common unit: each has the side of the box, where the orbit does not go farther
     size = np.maximum(np.abs(cycles).max(axis=1), np.abs(lanes))
     unit = np.maximum(size, sides_of(runs.P)[:, None])
-    near = ARRIVED * unit * (size / unit).max(axis=1, keepdims=True)
+    with np.errstate(invalid="ignore"):  # of orbits that ended
+        near = ARRIVED * unit * (size / unit).max(axis=1, keepdims=True)
     for part in pieces(runs.P, rows, lanes, 0, steps, runs.settings.arithmetic):
         call(compiled_arrival(), part.points, cycles, period, near, n, steps, result)
         n += part.points.shape[1]
