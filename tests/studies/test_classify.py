@@ -1,5 +1,7 @@
 """Period, word and trust: theory's windows, closed forms, and the plain twin over many maps."""
 
+import math
+
 import numpy as np
 import pytest
 from hypothesis import given
@@ -152,6 +154,14 @@ def test_a_slow_spiral_into_a_fixed_point():
 
     P = gz.Map(step, params={"r": 0.995}, coordinates=("x", "y"), box=((-1.0, 1.0), (-1.0, 1.0)))
     assert set(settled(P, transient=100).period.tolist()) == {1}
+
+
+@pytest.mark.parametrize("turn", [1.3, 2.0, math.pi])
+def test_a_fixed_point_that_rounding_goes_round_is_no_cycle(turn):
+    # so much rounding in each step, 1/(1 - r) times as much away from the point: more than the tolerance
+    P = SPIRAL.replace(r=1.0 - 1e-4, turn=turn, shift=0.6)
+    found = settled(P, transient=400_000)
+    assert set(found.period.tolist()) == {1}
 
 
 @pytest.mark.parametrize(("V", "d", "word"), [(0.4, 0.12, "001"), (0.0, 0.12, "01"), (0.4, 0.15, "0")])

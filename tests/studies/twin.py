@@ -38,7 +38,7 @@ def period_of(P, x, s, outcome, rtol=1e-9):
         divides = candidate > N and candidate % N == 0
         if not (divides or (candidate == 0 and 5 * N <= keep)):
             continue
-        if (s[N:] != s[:-N]).any() or not settling(x / extent, N, (tolerance / extent).max()):
+        if (s[N:] != s[:-N]).any() or not settling(x / extent, N, tolerance / extent):
             continue
         cycle = cycle_beside(P, x[-1], s[-N:], tolerance)
         if cycle is NO_TANGENT:
@@ -53,10 +53,15 @@ def recurs(x, s, N, tolerance):
 
 
 def settling(x, N, arrived):
-    """Whether points in units of the extents come back better and better after N steps, or have arrived."""
+    """Whether points in units of the extents come back better and better after N steps, or have arrived.
+
+    One point whose extent is 1e4 tolerances or less may be gone round by rounding alone.
+    """
+    if N == 1 and arrived.min() >= 1e-4:
+        return True
     after = np.abs(x[N:] - x[:-N]).max(axis=1)
     worst = np.array([part.max() for part in np.array_split(after, min(4, len(after) // N))])
-    if not ((worst[1:] < worst[:-1] * (1.0 - 1e-10)) | (worst[1:] <= arrived)).all():
+    if not ((worst[1:] < worst[:-1] * (1.0 - 1e-10)) | (worst[1:] <= arrived.max())).all():
         return False
     if N == 1 and x.shape[1] > 1:
         return True
@@ -126,7 +131,7 @@ def approaches(z, M, x, N, tolerance):
         return False
     frame = np.eye(len(M)) if np.linalg.cond(vectors) > 1e8 else np.linalg.inv(vectors)
     distances = np.abs((x[::-1][::N] - z) @ frame.T).max(axis=1)
-    floor = (np.abs(frame) @ tolerance).max()
+    floor = (np.abs(frame) @ tolerance).max() / (0.5 * (1.0 - radius) if N == 1 else 1.0)
     falls = ((distances[:-2] < distances[2:]) | (distances[:-2] <= floor)).all()
     turns = (len(distances) - 1) // 2 * 2
     bound = distances[turns] * (1.0 - 0.1 * (1.0 - radius)) ** turns

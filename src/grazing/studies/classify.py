@@ -11,6 +11,8 @@ The rule, for the last ``keep`` points of an orbit, with tolerance ``rtol * exte
    orbit recurs better and better, or has arrived, the multiplier decides: Newton's method, begun at the last point,
    gives the cycle of N points with these letters; if all its multipliers (the eigenvalues of the product of
    ``P.jacobian``) lie inside the unit circle, by more than 1e-9, and the distance to it falls, the period is N.
+   A fixed point whose greatest multiplier is 1 - q is asked about, too, where the extent is 1e4 tolerances or less, and
+   2/q tolerances away counts as arrived: rounding goes round it there.
 3. Without candidate or cycle the orbit is aperiodic as far as seen; undecided if it seemed to settle where the map
    has no Jacobian, if cycles of 20 keep points in all were tried (more than there are up to keep = 1000), or if a
    single point was kept.

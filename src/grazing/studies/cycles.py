@@ -147,7 +147,7 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
 
     Its distance, in the norm above with coordinates in units of the tolerance, falls in every two turns (near -1 a
     quadratic term makes one of the two sides larger), and over all at no less than a tenth of the linear rate; within
-    the tolerance it counts as arrived.
+    the tolerance it counts as arrived. Of one point that is rounding alone: so much in each turn holds it farther off.
     """
     keep, d, _n = x.shape
     away, Q = M.copy(), np.empty((d, d))
@@ -163,11 +163,11 @@ def falling(x: Any, j: int, N: int, z: Any, M: Any, tolerance: Any) -> bool:
     for i in range(d):
         for m in range(d):
             A[i, m] = away[i, m] * (tolerance[m, j] / tolerance[i, j])
-    contracting_norm(A, 0.5 * (1.0 + radius), Q)
-    trace = 0.0
+    rate, trace = 0.5 * (1.0 + radius), 0.0
+    contracting_norm(A, rate, Q)
     for i in range(d):
         trace += Q[i, i]
-    floor = sqrt(trace)
+    floor = sqrt(trace) / (1.0 - rate if N == 1 else 1.0)
     turns = (keep - 1) // N
     distance = np.empty(turns + 1)
     for t in range(turns + 1):

@@ -25,6 +25,8 @@ FLOOR = 1e-13
 LEAST = 2.0**-900
 #: An orbit nearly recurs within this share of its extent; others are not worth a search for a cycle.
 NEAR = 0.1
+#: A tolerance of so many extents, or more: the extent may be rounding, which goes round a cycle that attracts slowly.
+ROUNDED = 1e-4
 #: Points that are compared before it is asked whether any orbit is left.
 ROWS = 8
 #: Letters of which a number holds one bit each.
@@ -202,9 +204,12 @@ def nearly_back(x: Any, j: int, extent: Any, N: int) -> Any:
 def settling(x: Any, j: int, extent: Any, tolerance: Any, N: int) -> bool:
     """Say whether orbit j recurs better and better after N steps, or arrived, and nearly so after N or 2N."""
     keep, dimension, _n = x.shape
-    arrived = 0.0
+    arrived, least = 0.0, 1.0
     for i in range(dimension):
-        arrived = max(arrived, tolerance[i, j] / extent[i, j])
+        share = tolerance[i, j] / extent[i, j]
+        arrived, least = max(arrived, share), min(least, share)
+    if N == 1 and least >= ROUNDED:
+        return True
     count = keep - N
     groups = min(4, count // N)
     before, start = inf, N
