@@ -219,3 +219,12 @@ def test_what_lies_compiled_beside_a_file_is_not_run(tmp_path):
     (tmp_path / "__pycache__").mkdir()
     shutil.move(py_compile.compile(str(evil), str(tmp_path / "evil.pyc")), compiled)
     assert own_object(Named(f"{file}:P")).params["l"] == 0.2
+
+
+def test_two_edits_with_one_time_are_two_files(tmp_path):
+    """As of a copy that keeps its time, or within one tick of the disk."""
+    file = tmp_path / "mine.py"
+    for value in (0.5, 0.7):
+        file.write_text(f"import grazing as gz\nG = gz.gap_map(lam={value}, mu=0.1, l=0.2)\n")
+        os.utime(file, ns=(10**18, 10**18))
+        assert own_object(Named(f"{file}:G")).params["lam"] == value

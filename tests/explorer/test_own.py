@@ -384,6 +384,26 @@ def test_a_module_is_kept_and_one_that_was_damaged_compiled_anew(file, compiler,
     assert compiler["asked"] == 2
 
 
+def test_a_file_that_changes_while_it_is_compiled_is_said_and_nothing_is_kept(compiler, tmp_path, monkeypatch):
+    """The process that compiles reads it a moment later: the module of another map was kept for this one."""
+    file = tmp_path / "map.py"
+    file.write_text(TEXT)
+    named = Named(f"{file}:ricker")
+    found, compile_it = own.brought(named), own.compiled_apart
+
+    def edited(text):
+        file.write_text(TEXT.replace("math.exp(p.r", "math.exp(2.0 * p.r"))
+        return compile_it(text)
+
+    monkeypatch.setattr(own, "compiled_apart", edited)
+    with pytest.raises(InputError, match=r"map\.py has changed while the step of growing was compiled; start again"):
+        own.module_of(named, found, False, print)
+    monkeypatch.setattr(own, "compiled_apart", compile_it)
+    file.write_text(TEXT)
+    own.module_of(named, own.brought(named), False, print)
+    assert compiler["asked"] == 2
+
+
 def test_what_a_module_has_not_to_the_last_digit_is_computed_by_the_server(file, compiler):
     named, said = Named(f"{file}:ricker"), []
     compiler["answer"] = b"\0asm", "the step of growing takes exp of the library of this machine"

@@ -166,6 +166,31 @@ def run_in_a_process(folder, cache, source=SOURCE, names=("outer",), **environme
     return json.loads(done.stdout), done.stderr
 
 
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="two processes are forked, to be alike")
+def test_what_nobody_knows_is_another_in_every_process(monkeypatch):
+    """Two containers give their processes the same number, and objects the same address where it is not random."""
+
+    def said():
+        unknown = object()
+        return id(unknown), digest(lambda: unknown), digest(lambda: unknown)
+
+    monkeypatch.setattr(os, "getpid", lambda: 1)
+    found = []
+    for _ in range(2):
+        read, write = os.pipe()
+        child = os.fork()
+        if child == 0:
+            os.write(write, json.dumps(said()).encode())
+            os._exit(0)
+        os.waitpid(child, 0)
+        found.append(json.loads(os.read(read, 1000)))
+        os.close(read)
+        os.close(write)
+    (place, one, again), (same_place, other, _) = found
+    assert place == same_place and one == again
+    assert one != other
+
+
 def test_an_edit_in_a_callee_is_never_answered_from_the_cache(tmp_path):
     (tmp_path / "leaf.py").write_text("def inner(x):\n    return 2.0 * x\n")
     (tmp_path / "top.py").write_text("from leaf import inner\n\ndef outer(x):\n    return inner(x) + 1.0\n")

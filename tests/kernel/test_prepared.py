@@ -6,7 +6,9 @@ import subprocess
 import sys
 import warnings
 
+import numba
 import pytest
+from numba.core.codegen import JITCPUCodegen
 
 from grazing.kernel import disk, prepared
 from grazing.kernel.wide import plain
@@ -78,6 +80,23 @@ def test_families_are_what_a_processor_can_do():
     less = every.replace("+avx512dq", "-avx512dq")
     assert [name for _s, name, _f in prepared.machines(("linux", "mine", less))] == ["mine", "x86-64-v3", "x86-64-v2"]
     assert prepared.machines(("linux", "cortex", "+neon")) == [("linux", "cortex", "+neon")]
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        {},
+        {"CPU_NAME": "generic", "CPU_FEATURES": ""},
+        {"CPU_NAME": "x86-64-v2", "CPU_FEATURES": prepared.FAMILIES["x86-64-v2"]},
+        {"CPU_NAME": "nehalem"},
+        {"ENABLE_AVX": 0},
+    ],
+)
+def test_the_processor_that_is_told_is_the_one_that_is_compiled_for(settings, monkeypatch):
+    """Fast kernels have its last digits; a sweep that goes on with another one is a mixture."""
+    for name, value in settings.items():
+        monkeypatch.setattr(numba.config, name, value)
+    assert prepared.own()[1:] == JITCPUCodegen("compiler").magic_tuple()[1:]
 
 
 def test_code_for_a_family_is_found_and_computes_the_same_bits(tmp_path, monkeypatch):

@@ -22,6 +22,7 @@ from grazing.maps.map import Map
 from grazing.oscillator.model import Oscillator
 from grazing.oscillator.walled import Walled
 from grazing.outcome import GrazingError, InputError, UserCodeError, quoted, raised, shown
+from grazing.paths import opened
 from grazing.systems.contract import System
 
 #: What a model of one's own may be.
@@ -155,19 +156,25 @@ def own_object(text: str, key: str = "map") -> Map | Model:
 
 
 class _Source(importlib.machinery.SourceFileLoader):
-    """What runs is the text of the file that is named, never what lies compiled beside it."""
+    """What runs is the text of the file that is named, as it was read, never what lies compiled beside it."""
+
+    def __init__(self, name: str, path: str, text: bytes) -> None:
+        super().__init__(name, path)
+        self.text = text
 
     def get_code(self, fullname: str) -> Any:
         """Return the code of the text."""
-        return self.source_to_code(self.get_data(self.path), self.path)
+        return self.source_to_code(self.text, self.path)
 
 
 def _module(path: Path) -> Any:
     """Return the module of a file; run it once per process and state of the file."""
-    name = f"{OWN_MODULE}{path.stem}_{abs(hash((str(path.resolve()), path.stat().st_mtime_ns)))}"
+    with opened(path) as file:
+        text, written = file.read(), os.fstat(file.fileno()).st_mtime_ns  # two edits can have one time
+    name = f"{OWN_MODULE}{path.stem}_{abs(hash((str(path.resolve()), written, text)))}"
     if name in sys.modules:
         return sys.modules[name]
-    loader = _Source(name, str(path.resolve()))
+    loader = _Source(name, str(path.resolve()), text)
     spec = importlib.util.spec_from_file_location(name, path, loader=loader)
     if path.suffix != ".py" or spec is None or spec.loader is None:
         raise InputError(f"{path} is no Python file; give file.py:name")

@@ -184,21 +184,23 @@ def module_of(text: Named, found: Brought, copied: bool, say: Callable[[str], No
     Raises
     ------
     InputError
-        For a copy, which no server computes for, of what could not be compiled.
+        For a copy, which no server computes for, of what could not be compiled, and for a file that has changed since.
     """
     instead = f"the server computes {found.who}; compiling it, which takes a while at first"
     if linker() is None and not copied:
         say(f"no WebAssembly linker (lld or ziglang): {instead}")
         return None
     tools = toolchain()  # says what to install
-    assert found.module is not None
-    parts = [*(digest(entry.kernel) for entry in found.module.entries), shipped()["exporter"], tools]
+    content = content_of(found)
+    parts = [*content, shipped()["exporter"], tools]
     home, read = folders()
     kept = KernelFiles(home, f"module-{hashlib.sha256(repr(parts).encode()).hexdigest()[:40]}", read)
     made: tuple[bytes | None, str] | None = kept.load(tools)
     if made is None:
         say(f"compiling {found.who} for the browser, about a minute")
         made = compiled_apart(text)
+        if content_of(brought(text)) != content:  # the other process may have read it before, or afterwards
+            raise InputError(f"{text.rpartition(':')[0]} has changed while {found.who} was compiled; start again")
         if made[0] is not None:
             kept.save(tools, made)
     code, why = made
@@ -210,6 +212,12 @@ def module_of(text: Named, found: Brought, copied: bool, say: Callable[[str], No
     if why:
         say(f"{why}: the copy can differ from Python in the last digit")
     return code
+
+
+def content_of(found: Brought) -> list[str]:
+    """Return the hashes of what a module is made of."""
+    assert found.module is not None
+    return [digest(entry.kernel) for entry in found.module.entries]
 
 
 def compiled_apart(text: Named) -> tuple[bytes | None, str]:

@@ -6,12 +6,12 @@ import dis
 import hashlib
 import inspect
 import math
-import os
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
 from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
 from typing import Any
+from uuid import uuid4
 
 import numpy as np
 
@@ -28,6 +28,9 @@ LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
 #: Hashes of functions, for as long as nothing can change what they name: during one compilation.
 Known = dict[FunctionType, str]
+
+#: What stands for objects of whose content nothing is known, by address, which is nobody else's while they are kept.
+_unknown: dict[int, tuple[str, Any]] = {}
 
 
 def digest(function: Callable[..., Any] | tuple[Any, ...], known: Known | None = None) -> str:
@@ -132,7 +135,8 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
     made = getattr(value, "py_func", None)
     if getattr(made, "__module__", "") == COMPILED:
         return ("compiled", made.__name__)  # type: ignore[union-attr]
-    return ("object", os.getpid(), id(value))  # unknown: never found again, so never stale
+    # unknown: never found again, so never stale. Another process may have its number and address, as in a container
+    return ("object", _unknown.setdefault(id(value), (uuid4().hex, value))[0])
 
 
 def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:

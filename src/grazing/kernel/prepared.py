@@ -45,10 +45,17 @@ def machines(processor: tuple[str, str, str]) -> list[tuple[str, str, str]]:
 
 
 def own() -> tuple[str, str, str]:
-    """Return this processor as :func:`machines` takes it, of no system."""
-    from llvmlite import binding
+    """Return the processor that is compiled for as :func:`machines` takes it, of no system.
 
-    return "", binding.get_host_cpu_name(), binding.get_host_cpu_features().flatten()
+    It is this one, unless the environment names another for numba, such as NUMBA_CPU_NAME=generic.
+    """
+    from llvmlite import binding
+    from numba import config
+
+    features = binding.get_host_cpu_features()
+    features.update({name: False for name in features if name.startswith("avx") and not config.ENABLE_AVX})
+    said = features.flatten() if config.CPU_FEATURES is None else config.CPU_FEATURES
+    return "", config.CPU_NAME or binding.get_host_cpu_name(), said
 
 
 def stamp(family: str = "") -> Path:
