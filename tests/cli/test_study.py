@@ -12,6 +12,7 @@ import xarray as xr
 import grazing as gz
 from grazing.catalogue import studies
 from grazing.cli import main
+from grazing.cli.study import underway
 from grazing.config import load_config
 from grazing.config.parameters import GAP_MAP, parameter_names
 from grazing.config.settings import settings_of
@@ -430,3 +431,9 @@ def test_a_map_and_a_model_of_ones_own(folder, capsys):
     assert main(["diagram", "c=0:0.2:3", "--model", "mine.py:ball", "--starts", "2", "--keep", "4", "-q"]) == 0
     assert "c 3, start 2" in capsys.readouterr().out
     assert "mine.py has no name 'Q'; it has P, ball" in refused(capsys, "diagram", "a=1:2:3", "--map", "mine.py:Q")
+
+
+@pytest.mark.parametrize(("name", "said"), [("branch", "following branches"), ("windows", "looking for windows")])
+def test_what_follows_values_of_its_own_choice_says_at_once_what_is_going_on(name, said, capsys):
+    with underway(studies()[name], {"vary": {"d": "0.1:0.2"}}, quiet=False):
+        assert capsys.readouterr().err.splitlines() == [said]
