@@ -213,6 +213,8 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("chart d=0.1:0.2:5", "1 vary; chart varies 2 parameters"),
         ("trajectory", "--state: missing; give initial state"),
         ("trajectory u=0.1", "the initial state lacks v; give u, v"),
+        ("trajectory u=0.1 v=abc", "error: v = 'abc' is not a real number"),
+        ("trajectory u=1e999 v=0", "error: u = inf is not finite"),
         ("trajectory u=0.1 v=0 --phase 0.5", "Unknown option"),
         ("trajectory u=0.1 v=0 phase=0.5", "a trajectory has no section; leave it out"),
         ("trajectory u=0.1 v=0 --map impact", "Unknown option"),
