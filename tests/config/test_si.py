@@ -144,6 +144,8 @@ def test_a_branch_is_looked_at_in_the_units_of_what_varies():
     assert (bounds["vary"], bounds["settings"]["at"]) == ({"sigma": "-2.0:-1.0"}, [-1.5])
     with pytest.raises(InputError, match=r"at: frequency = '2 m'; its units do not match"):
         checked(branch | {"settings": {"word": "0", "at": "2 m"}})
+    with pytest.raises(InputError, match=r"at = 4; allowed is 5 <= frequency <= 25"):
+        checked(branch | {"settings": {"word": "0", "at": "4 Hz"}})
 
 
 def test_recipes_files_and_commands_lead_back(tmp_path):
