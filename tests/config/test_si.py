@@ -382,7 +382,7 @@ def test_a_start_in_millimetres_in_the_shell_is_that_in_metres(capsys):
     assert main([*rig, "a.nc", "u=1 mm", "v=5 mm/s"]) == 0 and main([*rig, "b.nc", "u=0.001", "v=0.005"]) == 0
     assert load("a.nc").u.values.tolist() == load("b.nc").u.values.tolist()
     assert main(["trajectory", "u=1 mm", "v=0"]) == 2  # without a rig there are no units
-    assert "state[0] = '1 mm' is not a real number" in capsys.readouterr().err
+    assert "u = '1 mm' is not a real number" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["vary", "si"])
