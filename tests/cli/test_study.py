@@ -12,6 +12,7 @@ import xarray as xr
 import grazing as gz
 from grazing.catalogue import studies
 from grazing.cli import main
+from grazing.cli.study import underway
 from grazing.config import load_config
 from grazing.config.parameters import GAP_MAP, parameter_names
 from grazing.config.settings import settings_of
@@ -212,6 +213,8 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("chart d=0.1:0.2:5", "1 vary; chart varies 2 parameters"),
         ("trajectory", "--state: missing; give initial state"),
         ("trajectory u=0.1", "the initial state lacks v; give u, v"),
+        ("trajectory u=0.1 v=abc", "error: v = 'abc' is not a real number"),
+        ("trajectory u=1e999 v=0", "error: u = inf is not finite"),
         ("trajectory u=0.1 v=0 --phase 0.5", "Unknown option"),
         ("trajectory u=0.1 v=0 phase=0.5", "a trajectory has no section; leave it out"),
         ("trajectory u=0.1 v=0 --map impact", "Unknown option"),
@@ -430,3 +433,9 @@ def test_a_map_and_a_model_of_ones_own(folder, capsys):
     assert main(["diagram", "c=0:0.2:3", "--model", "mine.py:ball", "--starts", "2", "--keep", "4", "-q"]) == 0
     assert "c 3, start 2" in capsys.readouterr().out
     assert "mine.py has no name 'Q'; it has P, ball" in refused(capsys, "diagram", "a=1:2:3", "--map", "mine.py:Q")
+
+
+@pytest.mark.parametrize(("name", "said"), [("branch", "following branches"), ("windows", "looking for windows")])
+def test_what_follows_values_of_its_own_choice_says_at_once_what_is_going_on(name, said, capsys):
+    with underway(studies()[name], {"vary": {"d": "0.1:0.2"}}, quiet=False):
+        assert capsys.readouterr().err.splitlines() == [said]

@@ -144,6 +144,8 @@ def test_a_branch_is_looked_at_in_the_units_of_what_varies():
     assert (bounds["vary"], bounds["settings"]["at"]) == ({"sigma": "-2.0:-1.0"}, [-1.5])
     with pytest.raises(InputError, match=r"at: frequency = '2 m'; its units do not match"):
         checked(branch | {"settings": {"word": "0", "at": "2 m"}})
+    with pytest.raises(InputError, match=r"at = 4; allowed is 5 <= frequency <= 25"):
+        checked(branch | {"settings": {"word": "0", "at": "4 Hz"}})
 
 
 def test_recipes_files_and_commands_lead_back(tmp_path):
@@ -380,7 +382,7 @@ def test_a_start_in_millimetres_in_the_shell_is_that_in_metres(capsys):
     assert main([*rig, "a.nc", "u=1 mm", "v=5 mm/s"]) == 0 and main([*rig, "b.nc", "u=0.001", "v=0.005"]) == 0
     assert load("a.nc").u.values.tolist() == load("b.nc").u.values.tolist()
     assert main(["trajectory", "u=1 mm", "v=0"]) == 2  # without a rig there are no units
-    assert "state[0] = '1 mm' is not a real number" in capsys.readouterr().err
+    assert "u = '1 mm' is not a real number" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize("kind", ["vary", "si"])

@@ -28,9 +28,9 @@ from grazing.config.si import gaps_asked
 from grazing.config.tabled import usual_map
 from grazing.config.tables import shipped
 from grazing.config.toml import read_toml
-from grazing.config.values import DEFAULT, other_range
+from grazing.config.values import DEFAULT, number, other_range
 from grazing.config.walls import flat, last_of
-from grazing.outcome import GrazingError
+from grazing.outcome import GrazingError, InputError
 
 MAP = Group("Map and model", sort_key=1)
 PARAMETERS = Group(
@@ -310,6 +310,14 @@ def assigned(given: Given, tokens: Sequence[str]) -> list[Problem]:
             problems.append(Problem((), said))
         if ("settings", "state") in given.here:
             problems.append(Problem((), f"the initial state is given twice: by --state, and by {', '.join(states)}"))
+        rig = any(key in given.mapping for key in ("si", "mass"))  # its numbers may have units
+        for name, text in states.items():
+            try:
+                if not (rig and any(letter.isdigit() for letter in text)):
+                    number(text, name)
+            except InputError as error:
+                problems.append(Problem((), str(error)))
+                states[name] = "0"
         put(given, ("settings", "state"), [states.get(name, "0") for name in coordinates])
     return problems
 

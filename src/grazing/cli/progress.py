@@ -56,7 +56,7 @@ def said(what: str, quiet: bool = False) -> Iterator[None]:
 
 
 @contextmanager
-def counted(what: str, quiet: bool = False, then: str = "") -> Iterator[Counted]:
+def counted(what: str, quiet: bool = False, then: str = "", first: str = "") -> Iterator[Counted]:
     """Give a function ``progress(done, total)`` that shows how far a study is, with rate and time left.
 
     Parameters
@@ -67,6 +67,8 @@ def counted(what: str, quiet: bool = False, then: str = "") -> Iterator[Counted]
         Show nothing.
     then : str
         What follows when all are done, where that takes long; it may be counted too, to another total.
+    first : str
+        What is going on, said at once where no bar shows it and the first count may take long.
     """
     if quiet:
         yield lambda done, total: None
@@ -74,6 +76,8 @@ def counted(what: str, quiet: bool = False, then: str = "") -> Iterator[Counted]
         with _counting_bar(what, then) as progress:
             yield progress
     else:
+        if first:
+            print(first, file=sys.stderr, flush=True)
         yield _counting_lines(what, then)
 
 

@@ -167,7 +167,9 @@ def underway(study: Study, recipe: Mapping[str, Any], quiet: bool) -> AbstractCo
     if study.takes_long and not study.has("progress"):
         return progress.said(study.takes_long, quiet)
     what = "steps" if not study.most else "values" if len(recipe["vary"]) == 1 else "cells"
-    return progress.counted(what, quiet, study.takes_long)
+    if study.form == "bounds":  # values of its own choice, each of which may take long
+        return progress.counted(what, quiet, first=study.takes_long)
+    return progress.counted(what, quiet, then=study.takes_long)
 
 
 def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted | None) -> Any:

@@ -317,7 +317,8 @@ def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> li
     study = studies().get(str(found.get("study")))
     if isinstance(found.get("vary"), Mapping):
         varied = [*found["vary"]]
-        found["vary"] = named(found["vary"], study is not None and study.form == "bounds", "vary")
+        ranges = found["vary"]
+        found["vary"] = named(ranges, study is not None and study.form == "bounds", "vary")
     else:
         varied = []
     settings = found.get("settings")
@@ -326,7 +327,14 @@ def _renamed(found: dict[str, Any], names: Mapping[str, Own], mass: float) -> li
         items = at.split(",") if isinstance(at, str) else at if isinstance(at, (list, tuple)) else [at]
         try:
             own = names.get(varied[0], Own(varied[0]))
-            found["settings"] = {**settings, "at": [own.of(_one(item, varied[0], mass)) for item in items]}
+            places = [_one(item, varied[0], mass) for item in items]
+            if not faults and ranges[varied[0]] != DEFAULT and own != Own(varied[0]):  # in the rig's own numbers
+                written = ranges[varied[0]]
+                ends = written.split(":") if isinstance(written, str) else written
+                low, high = (_one(end, varied[0], mass) for end in ends)
+                if outside := [place for place in places if not low <= place <= high]:
+                    raise InputError(f"at = {outside[0]:g}; allowed is {low:g} <= {varied[0]} <= {high:g}")
+            found["settings"] = {**settings, "at": [own.of(place) for place in places]}
         except InputError as error:
             faults.append(Problem(("settings", "at"), str(error)))
             found["settings"] = {key: value for key, value in settings.items() if key != "at"}

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from grazing.oscillator.reach import natural
-from grazing.outcome import InputError, OutsideForm, shown
+from grazing.outcome import InputError, OutsideForm
 
 
 def spring_of(model: Any) -> tuple[str, float]:
@@ -23,7 +23,8 @@ def frequency_of(model: Any) -> float:
 def refuse_stiffness(model: Any, what: str) -> None:
     """Raise OutsideForm for a model with a negative damping, or with a stiffness in place of k."""
     if model.stiffness is not None or model.alpha < 0.0:
+        has = f"alpha = {model.alpha:g}" if model.stiffness is None else "a stiffness in place of k"
         raise OutsideForm(
-            f"{what} is for oscillators with alpha >= 0 and a natural frequency k, not for {shown(model)}. Others have "
+            f"{what} is for oscillators with alpha >= 0 and a natural frequency k, not for one with {has}. Others have "
             "trajectories, stroboscopic and impact maps and their studies, gz.periodic_orbits and gz.continuation"
         )

@@ -123,7 +123,7 @@ def density(
         axes=runs.axes,
         axis_attrs={name: labels.quantity(P, name)},
         sizes={seen: bins},
-        coords={seen: (seen, 0.5 * (edges[1:] + edges[:-1]), labels.quantity(P, seen) | ends)},
+        coords={seen: (seen, 0.5 * edges[1:] + 0.5 * edges[:-1], labels.quantity(P, seen) | ends)},
         variables={
             "count": Variable((seen,), "int64", {"long_name": "points in this part of the range", "units": "1"}),
             "below": Variable((), "int64", {"long_name": "points below the raster", "units": "1"}),
