@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.explorer.browser import Shown
+from tests.explorer.browser import COARSE, Shown
 from tests.explorer.test_page import AXE
 
 VIEWS = {
@@ -335,6 +335,7 @@ def test_the_table_before_a_room(browser, address, size, least):
     context = browser.new_context(viewport={"width": size[0], "height": size[1]}, has_touch=size[0] < 700)
     shown = Shown(context.new_page())
     shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game()?.t > 0 && pinball.exits()?.shares")
     keys = [each.inner_text() for each in shown.page.query_selector_all(".buttons kbd") if each.is_visible()]
     assert keys == ([] if size[0] < 720 else ["P", "G"])  # a phone has none to press
