@@ -2,7 +2,7 @@
 
 import pytest
 
-from tests.explorer.browser import Shown
+from tests.explorer.browser import COARSE, Shown
 
 
 @pytest.fixture
@@ -97,6 +97,7 @@ def test_a_game_is_copied_without_scrolling(browser, address, size):
     context = browser.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce")
     shown = Shown(context.new_page())
     shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game()")
     box = shown.page.locator("[data-copy=link]").bounding_box()
     table = shown.page.locator("#table").bounding_box()
@@ -107,6 +108,7 @@ def test_a_game_is_copied_without_scrolling(browser, address, size):
 @pytest.mark.parametrize("motion", ["reduce"])
 def test_growth_is_told_in_words(shown, address):
     shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+    shown.page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game() && pinball.exits()")
     shown.page.evaluate("() => { pinball.plunge(0.7); pinball.pause(); pinball.split(); }")
     for _ in range(40):

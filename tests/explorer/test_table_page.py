@@ -8,6 +8,7 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.distance import distance
+from tests.explorer.browser import COARSE
 from tests.explorer.test_page import AXE
 
 GAME = "pinball.game()"
@@ -17,6 +18,7 @@ def opened(shown, address, fragment="#v=1&table=classic", still=True):
     if still:  # no ball is launched by itself
         shown.page.emulate_media(reduced_motion="reduce")
     shown.page.goto(address.replace("index.html", "") + "table.html" + fragment)
+    shown.page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game() && pinball.exits()")
     return shown.page
 
@@ -81,6 +83,7 @@ def test_a_game_by_keys_is_the_same_in_python_and_from_its_link(shown, address):
     link = page.evaluate("() => navigator.clipboard.readText()")
     page.goto("about:blank")
     page.goto(link)
+    page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game()?.t > 0")
     hold(page)
     play(page, 60.0, 0.05)  # other frames than before: the same game
@@ -105,6 +108,7 @@ def test_a_game_with_nudges_is_the_same_in_python_and_from_its_link(shown, addre
     link = page.evaluate("() => navigator.clipboard.readText()")
     page.goto("about:blank")
     page.goto(link)
+    page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game()?.t > 0")
     hold(page)
     play(page, 60.0, 0.05)  # other frames than before: the same game
@@ -291,6 +295,7 @@ def test_thumbs_on_a_telephone(browser, address):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, reduced_motion="reduce")
     page = context.new_page()
     page.goto(address.replace("index.html", "") + "table.html")
+    page.evaluate(COARSE)
     page.wait_for_function("() => window.pinball && pinball.game() && pinball.exits()")
     assert page.evaluate("() => document.documentElement.scrollWidth <= innerWidth")
     box = page.locator("#table").bounding_box()
@@ -337,6 +342,7 @@ def test_axe_reports_no_violation(browser, address, scheme, width):
     )
     page = context.new_page()
     page.goto(address.replace("index.html", "") + "table.html#table=nothing")  # with a message
+    page.evaluate(COARSE)
     page.wait_for_function("() => window.pinball && pinball.game() && pinball.exits()?.side >= 40")
     page.evaluate("() => { pinball.plunge(0.7); pinball.split(); pinball.step(2); pinball.pause(); }")
     page.evaluate(AXE.read_text(encoding="utf-8"))

@@ -7,8 +7,10 @@ import { EXITS } from "./tabledraw.js";
 
 /** @typedef {import("./played.js").Played} Played */
 
-/** Sides of a picture, coarse first; rows of one job; impacts after which a launch is given up. */
-const SIDES = [40, 160, 320], ROWS = 8, MOST = 1500;
+/** Sides of a picture, coarse first. */
+export const SIDES = [40, 160, 320];
+/** Rows of one job; impacts after which a launch is given up. */
+const ROWS = 8, MOST = 1500;
 
 export class Exits {
   /** @type {ImageData | null} */ #image = null;
