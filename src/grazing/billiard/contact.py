@@ -44,9 +44,9 @@ NAN, INFINITY = float("nan"), float("inf")
 NONE = (NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN, NAN)
 #: Flights and slides without an impact after which a ball ends by name.
 SLIDES = 10_000
-#: Impacts without any time after which a ball is jammed, and the share by which they change its velocity then at most.
-#: In a narrow corner there are more, but they turn the velocity, or slow the ball down.
-JAMMED, SAME_SPEED = 16, 2.0**-10
+#: Flights and slides without any time after an impact, after which a ball that a flipper pushes is jammed if it has
+#: half of its speed then; those after which any other one is, and the share by which they change its velocity at most.
+JAMMED, AGAIN, SAME_SPEED = 1000, 32, 2.0**-10
 #: Rises that are looked at closer, as a share of the size of the table.
 SLOW = 1e-9
 #: The part of what tells a place from the line of a wall that rounding cannot make.
@@ -253,31 +253,44 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
 
 
 @inlined
-def takes_no_time(t: float, after: Any, table: Any) -> Any:
-    """Say whether a ball that moves on as an impact left it goes no further in a time than rounding can tell."""
-    x, y, vx, vy = after
-    return t * (abs(vx) + abs(vy)) <= TOUCH * (abs(x) + abs(y) + table[LENGTH])
+def way_of(t: float, after: Any, table: Any) -> Any:
+    """Return how far a ball that moves on as an impact left it goes in a time at most."""
+    return t * (abs(after[2]) + abs(after[3]) + table[GRAVITY] * t)
+
+
+@inlined
+def untold(after: Any, table: Any) -> Any:
+    """Return a way that rounding cannot tell from none."""
+    return TOUCH * (abs(after[0]) + abs(after[1]) + table[LENGTH])
 
 
 @unit
 def jams(left: float, clock: float, state: Any, table: Any) -> Any:
-    """Say whether a ball just after an impact is jammed: two things close on it, and impacts without any time go on."""
-    x, y, vx, vy = state
-    wx, wy = vx, vy
-    for _ in range(JAMMED):
-        (_surface, owner, t, flags, left), _before, (x, y, vx, vy), _speeds = next_event(
+    """Say whether a ball just after an impact is jammed: two things close on it, and impacts without any time go on.
+
+    They do in a narrow corner, too, but turn its velocity there, or slow it down. Where a flipper pushes it and doubles
+    no longer tell whether it comes loose it is jammed as well.
+    """
+    (x, y, vx, vy), (_x, _y, wx, wy) = state, state
+    way, turning, same = 0.0, False, False
+    for i in range(JAMMED):
+        (surface, _owner, t, flags, left), _before, (x, y, vx, vy), _speeds = next_event(
             x, y, vx, vy, left, clock, table
         )
-        if owner < 0 or flags & (FATAL | ESCAPED) or not takes_no_time(t, (x, y, vx, vy), table):
-            return False
-        clock += t
-    return abs(vx - wx) + abs(vy - wy) <= SAME_SPEED * (abs(wx) + abs(wy))
+        way, clock = way + way_of(t, (x, y, vx, vy), table), clock + t
+        turning = turning or (surface >= 0 and turns_at(surface, clock, table))
+        if flags & (FATAL | ESCAPED) or not way <= JAMMED * untold((x, y, vx, vy), table):
+            return turning and i >= AGAIN and flags & AMBIGUOUS > 0
+        same = same or (2 * i >= AGAIN and abs(vx - wx) + abs(vy - wy) < SAME_SPEED * (abs(wx) + abs(wy)))
+        if i == AGAIN and not turning:
+            return same
+    return vx * vx + vy * vy > 0.25 * (wx * wx + wy * wy)
 
 
 @inlined
 def jammed(owner: int, t: float, flags: int, left: float, clock: float, after: Any, table: Any) -> Any:
     """Return the flag of a ball that is jammed after an impact, for which it took a time t, at the time ``clock``."""
-    if owner < 0 or flags & (FATAL | ESCAPED) or not takes_no_time(t, after, table):
+    if owner < 0 or flags & (FATAL | ESCAPED) or not way_of(t, after, table) <= untold(after, table):
         return OK
     return TOO_MANY_IMPACTS if jams(left, clock, after, table) else OK
 

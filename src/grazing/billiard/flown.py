@@ -52,8 +52,6 @@ Floats = NDArray[np.float64]
 INFINITY = float("inf")
 #: Flights of one call of the recorder, and impacts of a trajectory at most.
 CAPACITY, MAX_IMPACTS = 2048, 1_000_000
-#: Flights and slides without any time, at no less speed, after which a ball that is slowly squeezed out is given up.
-SQUEEZED = 1000
 #: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
 #: after, flags; then the states at its begin, at its end and just after the impact there; the surface on which it is a
 #: slide, -1 for a flight; the surface left at its begin, as kernels know it.
@@ -170,7 +168,7 @@ def played_flights(
     """
     gates, pressed = len(table.objects), {} if pressed is None else pressed
     block, passed = block_played(table, pressed), list[int]()
-    now, found, hits, idle, jam, fast, going = np.array([start, left, *state]), [], 0, 0, 0, 0.0, True
+    now, found, hits, idle, going = np.array([start, left, *state]), [], 0, 0, True
     while going:
         flights, going = followed(block, now, until, 1 if passed or once else most - hits)
         found.append(flights)
@@ -199,12 +197,8 @@ def played_flights(
         if once and not np.isnan(last[BEFORE]):
             break
         hits, idle = hits + len(met), len(flights) - 1 - met[-1] if len(met) else idle + len(flights)
-        moves, speed = np.flatnonzero(flights[:, TIME] > 0.0), np.hypot(flights[:, NEXT + 2], flights[:, NEXT + 3])
-        jam, fast = (len(flights) - 1 - moves[-1], speed[moves[-1]]) if len(moves) else (jam + len(flights), fast)
-        if jam > SQUEEZED and speed[-1] < 0.5 * fast:  # it comes to rest in a corner
-            jam, fast = 0, speed[-1]
-        if going and (hits >= most or jam > SQUEEZED or idle > SLIDES):
-            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most or jam > SQUEEZED else TOO_MANY_SWINGS)
+        if going and (hits >= most or idle > SLIDES):
+            last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most else TOO_MANY_SWINGS)
             break
     return np.concatenate(found), pressed
 
