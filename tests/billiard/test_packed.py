@@ -8,9 +8,10 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.faces import passes
-from grazing.billiard.packed import contacts
+from grazing.billiard.gaps import first_step
+from grazing.billiard.packed import contacts, impacts, near, of_all_circles
 from grazing.billiard.rows import CIRCLES
-from grazing.billiard.workspace import LANES, W, room_for
+from grazing.billiard.workspace import LANES, I, W, room_for
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import column
 from grazing.kernel.primitives import numbers
@@ -122,6 +123,50 @@ def test_few_balls_are_in_doubt_but_those_that_graze():
     doubt, surface = w[W.DOUBT : W.DOUBT + LANES], w[W.SURFACE : W.SURFACE + LANES]
     assert doubt[31] == 1.0 and doubt.sum() == 1.0
     assert len(set(surface[:31])) == len(set(surface[32:])) == 1 and surface[0] != surface[-1]
+
+
+def test_impacts_are_taken_side_by_side_but_those_that_may_be_none():
+    """On discs, walls and arcs; not one so slow that it may settle, a drain, nor of a ball that meets nothing."""
+    law = gz.newton(1.0)
+    things = [gz.disc("A", (5.0, 5.0), 1.0, law), gz.arc("B", (15.0, 5.0), 1.0, 0.5, 5.5, law), *box(20.0, 20.0)[1:]]
+    table = gz.table([*things, gz.drain("out", (0.0, 0.0), (20.0, 0.0))], rho=0.1, tilt=0.5 * pi)
+    block = table.blocks(table.row())[0]
+
+    def strike(block, w, n):
+        contacts(numbers(w), 8, numbers(block))
+        impacts(numbers(w), n, numbers(block))
+
+    w, n = np.zeros(room_for(int(block[CIRCLES]))), 7
+    w[W.LEFT : W.LEFT + 8] = -1.0
+    starts = [(5.0, 8.0, 0.1, -1.0), (15.0, 8.0, 0.1, -1.0), (15.0, 5.0, -5.0, 0.1), (1.0, 9.0, -9.0, 0.0)]
+    starts += [(10.0, 1.0, 0.0, 0.0), (5.0, 6.1 + 1e-11, 0.0, 0.0), (10.0, 10.0, np.nan, 0.0)]
+    w[: 4 * LANES].reshape(4, LANES)[:, :n] = np.transpose(starts)
+    call(compiled(strike), block, w, n)
+    assert w[I.PLAIN : I.PLAIN + n].tolist() == [1.0] * 4 + [0.0] * 3
+    assert w[I.PLAIN + n] == 0.0
+    call(compiled(strike), block, w, 3)  # so few are not looked at
+    assert not w[I.PLAIN : I.PLAIN + 8].any()
+
+
+def test_a_circle_that_is_left_out_has_no_step_before_what_was_found():
+    random, clear = np.random.default_rng(5), 0
+    w = np.zeros(room_for(1))
+    for _ in range(300):
+        scale, g = 10.0 ** random.uniform(-6, 6), float(random.choice([0.0, 1.0]))
+        circle = np.zeros((1, 12))
+        circle[0, :3] = *(random.normal(size=2) * random.choice([1.0, 1e5])), random.choice([0.01, 1.0, 5.0])
+        place = circle[0, :2] + random.normal(size=(8, 2)) * random.choice([0.1, 2.0, 30.0])
+        for row, values in zip((W.X, W.Y, W.VX, W.VY), (*place.T, *(random.normal(size=(2, 8)) * scale)), strict=True):
+            w[row : row + 8] = values
+        w[W.TIME : W.TIME + 8], w[W.LAST : W.LAST + 8] = random.choice([0.1, 1.0, 10.0, np.inf]) / scale, -1.0
+        of_all_circles(w, 8, 0, 1, circle.ravel(), g)
+        near(w, 0, *circle[0, :3], 0.0, g)
+        for i in np.flatnonzero(w[W.ONE : W.ONE + 8] == 0.0):
+            dx, dy = place[i] - circle[0, :2]
+            step, said = first_step(dx, dy, w[W.VX + i], w[W.VY + i], g, circle[0, 2], False, w[W.PART + i])
+            assert said == 0 and step >= w[W.END + i]
+            clear += 1
+    assert 500 < clear < 2000
 
 
 def test_a_face_that_is_passed_is_not_met():

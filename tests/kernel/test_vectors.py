@@ -10,6 +10,7 @@ from grazing.kernel.vectors import (
     appended,
     combined,
     handed_back,
+    listed,
     made_whole,
     repeated,
     spread,
@@ -33,6 +34,22 @@ def test_records_are_dealt_out_to_rows():
         assert np.array_equal(plain[5 + 11 * h : 13 + 11 * h], table.ravel()[records + 9 + h])
     assert np.count_nonzero(plain) == 32 + len(records)
     assert np.array_equal(fast, plain)
+
+
+def lists(work, to, flags, first):
+    return listed(numbers(work), to, flags, first)
+
+
+def test_places_with_a_flag_are_listed():
+    flags = np.array([[1.0 if k >> b & 1 else (0.0, -1.0, np.nan)[b % 3] for b in range(8)] for k in range(256)])
+    for one in flags:
+        plain, fast = np.full(40, 7.0), np.full(40, 7.0)
+        plain[9:17] = fast[9:17] = one
+        places = 64.0 + np.flatnonzero(one > 0.0)
+        for work, found in ((plain, lists(plain, 21, 9, 64.0)), (fast, compiled(lists)(fast, 21, 9, 64.0))):
+            assert found == len(places)
+            assert np.array_equal(work[21 : 21 + found], places)
+            assert (work[:9] == 7.0).all() and (work[17:21] == 7.0).all() and (work[29:] == 7.0).all()
 
 
 #: Where FREE, two rows and two lists begin in the arrays below, and how far from each other.

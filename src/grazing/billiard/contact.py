@@ -18,7 +18,7 @@ from grazing.billiard.elements import (
     turns_at,
     width_of,
 )
-from grazing.billiard.hit import first_turning, flown, is_open, met, period_of, rows_of, struck
+from grazing.billiard.hit import coming, first_turning, flown, going, is_open, met, period_of, rows_of, struck
 from grazing.billiard.march import first_contact
 from grazing.billiard.ride import ride
 from grazing.billiard.rows import FACES, FEET, FLIPPERS, GRAVITY, LENGTH, OWNER, WIDTH
@@ -68,25 +68,29 @@ def impact(surface: int, t: float, x: float, y: float, vx: float, vy: float, clo
     """
     bx, by, bvx, bvy = flown(x, y, vx, vy, table[GRAVITY], t)
     owner, px, py, frame = met(surface, bx, by, t, clock, table)
-    nx, ny, _curvature, _omega, ux, uy = frame
     if is_open(owner, table):
         return (owner, ESCAPED), (bx, by, bvx, bvy), (bx, by, bvx, bvy), (NAN, NAN, NAN, *frame)
-    push = ux * nx + uy * ny
-    speed, along = min(bvx * nx + bvy * ny - push, 0.0), bvy * nx - bvx * ny
+    speed, along, push = coming(bvx, bvy, frame)
     away, flags = struck(owner, speed, table), 0
     if not (away >= 0.0 and away < INFINITY):
         flags = BAD_LAW
-    out = away + push
-    after = px, py, out * nx - along * ny, out * ny + along * nx
+    after = px, py, *going(away, along, push, frame)
     return (owner, flags), (px, py, bvx, bvy), after, (speed, away, along, *frame)
+
+
+@inlined
+def may_settle(after: Any, speeds: Any, g: float, length: float) -> Any:
+    """Return (said, most, press): whether an impact is so slow that it has to be looked at closer, and how fast."""
+    before, away, along, nx, ny, bend, _omega, _ux, _uy = speeds
+    press, most = pressing(nx, ny, bend, along, g), max(before * before, away * away)
+    return most <= SLOW * press * (abs(after[0]) + abs(after[1]) + length), most, press
 
 
 @inlined
 def settles(surface: int, after: Any, speeds: Any, clock: float, table: Any) -> Any:
     """Say whether an impact is none: the ball comes and would go by less than rounding can tell, and is pressed on."""
-    before, away, along, nx, ny, bend, omega, _ux, _uy = speeds
-    press, most = pressing(nx, ny, bend, along, table[GRAVITY]), max(before * before, away * away)
-    if omega != 0.0 or not most <= SLOW * press * (abs(after[0]) + abs(after[1]) + table[LENGTH]):
+    slow, most, press = may_settle(after, speeds, table[GRAVITY], table[LENGTH])
+    if speeds[6] != 0.0 or not slow:
         return False
     return most <= 2.0 * press * width_of(element(surface, clock, table), after[0], after[1]) / FINE
 
@@ -138,11 +142,11 @@ def cleared(
 
 
 @inlined
-def is_slow(left: float, v: Any, after: Any, table: Any) -> Any:
+def is_slow(left: float, v: Any, after: Any, g: float, length: float) -> Any:
     """Say whether a ball that left something is as slow before and after an impact as :func:`falls_out` asks."""
     x, y, vx, vy = after
     fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
-    return left >= 0.0 and fast <= SLOW * table[GRAVITY] * (abs(x) + abs(y) + table[LENGTH])
+    return left >= 0.0 and fast <= SLOW * g * (abs(x) + abs(y) + length)
 
 
 @inlined
@@ -152,7 +156,7 @@ def falls_out(surface: int, left: int, v: Any, after: Any, clock: float, table: 
     So it is in a notch of a ceiling, where hits of no time take its speed to 0, and it falls out.
     """
     (x, y, vx, vy), g = after, table[GRAVITY]
-    if not is_slow(1.0 * left, v, after, table):
+    if not is_slow(1.0 * left, v, after, g, table[LENGTH]):
         return False
     fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
     here, there = element(surface, clock, table), element(left, clock, table)
@@ -246,22 +250,28 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
         return (surface, -1, t, flags | DIVERGED, left), state, state, NONE
     (owner, said, now), before, after, speeds = landed(surface, t, x, y, vx, vy, clock, table)
     v = before[2], before[3]
-    if table[FEET] > 0.0 or is_slow(left, v, after, table):
+    if table[FEET] > 0.0 or is_slow(left, v, after, table[GRAVITY], table[LENGTH]):
         x, y, normal = after[0], after[1], (speeds[3], speeds[4])
         now, after = at_foot(surface, int(left), now, x, y, v, after, normal, clock + t, table)
     return (surface, owner, t, flags | said, now), before, after, speeds
 
 
 @inlined
-def way_of(t: float, after: Any, table: Any) -> Any:
+def way_of(t: float, after: Any, g: float) -> Any:
     """Return how far a ball that moves on as an impact left it goes in a time at most."""
-    return t * (abs(after[2]) + abs(after[3]) + table[GRAVITY] * t)
+    return t * (abs(after[2]) + abs(after[3]) + g * t)
 
 
 @inlined
-def untold(after: Any, table: Any) -> Any:
+def untold(after: Any, length: float) -> Any:
     """Return a way that rounding cannot tell from none."""
-    return TOUCH * (abs(after[0]) + abs(after[1]) + table[LENGTH])
+    return TOUCH * (abs(after[0]) + abs(after[1]) + length)
+
+
+@inlined
+def takes_no_time(t: float, after: Any, g: float, length: float) -> Any:
+    """Say whether a ball that moves on as an impact left it goes no further in a time than rounding can tell."""
+    return way_of(t, after, g) <= untold(after, length)
 
 
 @unit
@@ -272,14 +282,14 @@ def jams(left: float, clock: float, state: Any, table: Any) -> Any:
     no longer tell whether it comes loose it is jammed as well.
     """
     (x, y, vx, vy), (_x, _y, wx, wy) = state, state
-    way, turning, same = 0.0, False, False
+    way, turning, same, g, length = 0.0, False, False, table[GRAVITY], table[LENGTH]
     for i in range(JAMMED):
         (surface, _owner, t, flags, left), _before, (x, y, vx, vy), _speeds = next_event(
             x, y, vx, vy, left, clock, table
         )
-        way, clock = way + way_of(t, (x, y, vx, vy), table), clock + t
+        way, clock = way + way_of(t, (x, y, vx, vy), g), clock + t
         turning = turning or (surface >= 0 and turns_at(surface, clock, table))
-        if flags & (FATAL | ESCAPED) or not way <= JAMMED * untold((x, y, vx, vy), table):
+        if flags & (FATAL | ESCAPED) or not way <= JAMMED * untold((x, y, vx, vy), length):
             return turning and i >= AGAIN and flags & AMBIGUOUS > 0
         same = same or (2 * i >= AGAIN and abs(vx - wx) + abs(vy - wy) < SAME_SPEED * (abs(wx) + abs(wy)))
         if i == AGAIN and not turning:
@@ -290,7 +300,7 @@ def jams(left: float, clock: float, state: Any, table: Any) -> Any:
 @inlined
 def jammed(owner: int, t: float, flags: int, left: float, clock: float, after: Any, table: Any) -> Any:
     """Return the flag of a ball that is jammed after an impact, for which it took a time t, at the time ``clock``."""
-    if owner < 0 or flags & (FATAL | ESCAPED) or not way_of(t, after, table) <= untold(after, table):
+    if owner < 0 or flags & (FATAL | ESCAPED) or not takes_no_time(t, after, table[GRAVITY], table[LENGTH]):
         return OK
     return TOO_MANY_IMPACTS if jams(left, clock, after, table) else OK
 

@@ -118,16 +118,44 @@ def met(surface: int, x: float, y: float, t: float, clock: float, table: Any) ->
         return met_turning(surface, x, y, t, clock, table)
     if surface < 2 * faces:
         row, sign = behind(rows, WIDTH * (surface // 2)), 2.0 * (surface % 2) - 1.0
-        nx, ny = sign * row[EY], -sign * row[EX]
-        off = row[SIZE] - (nx * (x - row[PX]) + ny * (y - row[PY]))
-        return int(row[OWNER]), x + off * nx, y + off * ny, (nx, ny, 0.0, 0.0, 0.0, 0.0)
+        px, py, frame = at_line(x, y, row[PX], row[PY], row[SIZE], row[EX], row[EY], sign)
+        return int(row[OWNER]), px, py, frame
     row = behind(rows, WIDTH * (surface - faces))
-    sign, size = row[SIGN] if surface >= 2 * faces + circles else 1.0, row[SIZE]
-    dx, dy = x - row[PX], y - row[PY]
+    sign = row[SIGN] if surface >= 2 * faces + circles else 1.0
+    px, py, frame = at_circle(x, y, row[PX], row[PY], row[SIZE], sign)
+    return int(row[OWNER]), px, py, frame
+
+
+@inlined
+def at_line(x: float, y: float, px: float, py: float, size: float, ex: float, ey: float, sign: float) -> Any:
+    """Return (x, y, frame) of :func:`met` on a side of a face, its right for sign 1, its left for -1."""
+    nx, ny = sign * ey, -sign * ex
+    off = size - (nx * (x - px) + ny * (y - py))
+    return x + off * nx, y + off * ny, (nx, ny, 0.0, 0.0, 0.0, 0.0)
+
+
+@inlined
+def at_circle(x: float, y: float, px: float, py: float, size: float, sign: float) -> Any:
+    """Return (x, y, frame) of :func:`met` on a circle, from outside for sign 1, from inside for -1."""
+    dx, dy = x - px, y - py
     far = sqrt(dx * dx + dy * dy)
     ux, uy = dx / far, dy / far
-    frame = sign * ux, sign * uy, sign / size, 0.0, 0.0, 0.0
-    return int(row[OWNER]), row[PX] + size * ux, row[PY] + size * uy, frame
+    return px + size * ux, py + size * uy, (sign * ux, sign * uy, sign / size, 0.0, 0.0, 0.0)
+
+
+@inlined
+def coming(vx: float, vy: float, frame: Any) -> Any:
+    """Return (v_minus, along, push): velocities along a normal and along a surface, and the surface's own."""
+    nx, ny, _curvature, _omega, ux, uy = frame
+    push = ux * nx + uy * ny
+    return min(vx * nx + vy * ny - push, 0.0), vy * nx - vx * ny, push
+
+
+@inlined
+def going(away: float, along: float, push: float, frame: Any) -> Any:
+    """Return the velocity of a ball after an impact, from those that :func:`coming` returns."""
+    nx, ny, out = frame[0], frame[1], away + push
+    return out * nx - along * ny, out * ny + along * nx
 
 
 def place_of(surface: int, x: float, y: float, table: Any) -> Any:

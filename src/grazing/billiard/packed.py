@@ -9,9 +9,11 @@ from __future__ import annotations
 from math import floor
 from typing import Any
 
-from grazing.billiard.contact import flight_to, jammed, next_impact
+from grazing.billiard.contact import flight_to, is_slow, jammed, may_settle, next_impact, takes_no_time
 from grazing.billiard.faces import guess, met_side, of_face, passes
 from grazing.billiard.gaps import (
+    EPS,
+    GAP,
     MISSED,
     NEAR,
     ON,
@@ -23,17 +25,37 @@ from grazing.billiard.gaps import (
     lowest,
     nearer_root,
 )
-from grazing.billiard.hit import first_turning, rows_of
+from grazing.billiard.hit import at_circle, at_line, coming, first_turning, flown, going, is_open, rows_of, struck
 from grazing.billiard.march import LEAST, MOST, of_flippers, of_sides
-from grazing.billiard.rows import CIRCLES, EX, EY, FACES, FLIPPERS, GRAVITY, LONG, OWNER, PX, PY, SIDES, SIZE, WIDTH
-from grazing.billiard.workspace import LANES, W
+from grazing.billiard.rows import (
+    CIRCLES,
+    EX,
+    EY,
+    FACES,
+    FEET,
+    FLIPPERS,
+    GRAVITY,
+    LENGTH,
+    LONG,
+    OWNER,
+    PX,
+    PY,
+    SIDES,
+    SIZE,
+    WIDTH,
+)  # fmt: skip
+from grazing.billiard.workspace import LANES, I, W
 from grazing.kernel.primitives import behind, inlined, unit
 from grazing.kernel.turns import eights
+from grazing.kernel.vectors import listed
 from grazing.outcome import ESCAPED, FATAL, OK
 
 INFINITY = float("inf")
 #: Fewer balls are asked one by one, which is quicker.
 FEW = 4
+#: By how much a circle is missed that is not asked for a step: 4 up to rounding, and the share of the gap's terms that
+#: is left at the end, which moves a root by more than the square root of rounding.
+FAR, SHARE = 4.0 - 2.0**-20, 2.0**-20
 #: Looks at a circle after which a ball is in doubt.
 LOOKS = 12
 
@@ -46,8 +68,8 @@ def contacts(w: Any, width: int, table: Any) -> None:
     begin(w, width, g, surfaces)
     of_some_faces(w, width, faces, rows, g)
     around = behind(rows, WIDTH * faces)
-    of_all_circles(w, width, 2 * faces, circles, around, g)
-    nearest(w, width, 2 * faces, circles, around, g)
+    pairs = of_all_circles(w, width, 2 * faces, circles, around, g)
+    nearest(w, width, 2 * faces, circles, pairs, around, g)
     if table[SIDES] + table[FLIPPERS] > 0.0:
         for i in range(width):
             if not w[W.DOUBT + i] > 0.0:
@@ -93,6 +115,56 @@ def impact_of(w: Any, i: int, table: Any) -> Any:
             flags |= jammed(owner, t, flags, on, clock + t, after, table)
             return (surface, owner, t, flags, on), before, after, speeds
     return next_impact(x, y, vx, vy, left, clock, table)
+
+
+@unit
+def impacts(w: Any, n: int, table: Any) -> None:
+    """Let n balls hit what was found: PLAIN where that is an impact, not on a flipper, and nothing else."""
+    g, length, faces, round_ones = table[GRAVITY], table[LENGTH], int(table[FACES]), 2.0 * table[FACES]
+    surfaces, rows, width = first_turning(table), rows_of(table), (n + 7) // 8 * 8
+    feet, arcs = table[FEET] > 0.0, round_ones + table[CIRCLES]
+    for i in range(width):
+        w[I.PLAIN + i] = 0.0
+    if n < FEW:
+        return
+    for i in range(n):
+        surface = int(w[W.SURFACE + i])
+        plain = not w[W.DOUBT + i] > 0.0 and surface >= 0 and surface < surfaces and w[W.TIME + i] < INFINITY
+        plain = plain and not feet and not is_open(int(w[W.WHO + i]), table)
+        surface = surface if plain else 0
+        row = behind(rows, WIDTH * (surface // 2 if surface < 2 * faces else surface - faces))
+        w[I.PX + i], w[I.PY + i], w[I.SIZE + i] = row[PX], row[PY], row[SIZE]
+        w[I.EX + i], w[I.EY + i] = row[EX], row[EY]
+        w[I.PLAIN + i] = 1.0 if plain else 0.0
+    for k in range(width):
+        i = eights(k)
+        surface, px, py, size, plain = w[W.SURFACE + i], w[I.PX + i], w[I.PY + i], w[I.SIZE + i], w[I.PLAIN + i] > 0.0
+        t, flat = w[W.TIME + i] if plain else 0.0, surface < round_ones or not plain
+        x, y, vx, vy = flown(w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], g, t)
+        side = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0
+        ax, ay, (anx, any_, abend, omega, ux, uy) = at_line(x, y, px, py, size, w[I.EX + i], w[I.EY + i], side)
+        inside = w[I.EY + i] if surface >= arcs else 1.0
+        cx, cy, (cnx, cny, cbend, _omega, _ux, _uy) = at_circle(
+            x, y, x - 1.0 if flat else px, py, 1.0 if flat else size, inside
+        )
+        nx, ny, bend = anx if flat else cnx, any_ if flat else cny, abend if flat else cbend
+        speed, along, _push = coming(vx, vy, (nx, ny, bend, omega, ux, uy))
+        w[I.X + i], w[I.Y + i], w[I.BVX + i], w[I.BVY + i] = ax if flat else cx, ay if flat else cy, vx, vy
+        w[I.NX + i], w[I.NY + i], w[I.BEND + i], w[I.SPEED + i], w[I.ALONG + i] = nx, ny, bend, speed, along
+    for i in range(n):
+        w[I.AWAY + i] = struck(int(w[W.WHO + i]), w[I.SPEED + i], table) if w[I.PLAIN + i] > 0.0 else 0.0
+    for k in range(width):
+        i = eights(k)
+        before, away, along = w[I.SPEED + i], w[I.AWAY + i], w[I.ALONG + i]
+        frame = w[I.NX + i], w[I.NY + i], w[I.BEND + i], 0.0, 0.0, 0.0
+        _speed, _along, push = coming(0.0, 0.0, frame)
+        vx, vy = going(away, along, push, frame)
+        after = w[I.X + i], w[I.Y + i], vx, vy
+        settles, _most, _press = may_settle(after, (before, away, along, *frame), g, length)
+        slow = is_slow(w[W.LEFT + i], (w[I.BVX + i], w[I.BVY + i]), after, g, length)
+        plain = away >= 0.0 and away < INFINITY and not settles and not slow
+        plain = plain and not takes_no_time(w[W.TIME + i], after, g, length)
+        w[I.VX + i], w[I.VY + i], w[I.PLAIN + i] = vx, vy, w[I.PLAIN + i] if plain else 0.0
 
 
 @inlined
@@ -205,77 +277,168 @@ def repeated(w: Any, n: int, first: int, last: int) -> None:
 
 
 @inlined
-def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: float) -> None:
-    """Ask how long all circles are surely not met: STEPS, the least of them and its circle."""
+def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: float) -> int:
+    """Ask how long circles are surely not met: the least STEP and its circle. Return how many pairs are on the list.
+
+    Those are all pairs of a ball and a circle that may be met before what was found, each with its own step.
+    """
+    far = 0.0
+    for c in range(circles):
+        row = behind(rows, WIDTH * c)
+        far = max(far, abs(row[PX]) + abs(row[PY]) + row[SIZE])
     for k in range(width):
         i = eights(k)
         vx, vy, end = w[W.VX + i], w[W.VY + i], w[W.TIME + i] + w[W.LATE + i]
-        w[W.PART + i] = vx * vx + vy * vy + lowest(-g * vy, 0.25 * g * g, end)
-        w[W.STEP + i], w[W.SECOND + i], w[W.FIRST + i] = end, end, -1.0
+        fast, least = vx * vx + vy * vy, lowest(-g * vy, 0.25 * g * g, end)
+        w[W.PART + i], w[W.STEP + i], w[W.END + i], w[W.FIRST + i] = fast + least, end, end, -1.0
+        reach = abs(w[W.X + i]) + abs(w[W.Y + i]) + far
+        w[W.FALL + i] = 2.0 * GAP * EPS * reach * (abs(vx) + abs(vy))
+        w[W.BEND + i] = fast + least - 2.0 * GAP * EPS * (3.0 * fast - least + g * reach)
+    n = 0
     for c in range(circles):
         row = behind(rows, WIDTH * c)
-        px, py, size, surface, at = row[PX], row[PY], row[SIZE], 1.0 * (base + c), W.STEPS + LANES * c
-        for k in range(width):
-            i = eights(k)
-            fresh = w[W.LAST + i] == surface
-            dx, dy, vx, vy = w[W.X + i] - px, w[W.Y + i] - py, w[W.VX + i], w[W.VY + i]
-            step, said = first_step(dx, dy, vx, vy, g, size, fresh, w[W.PART + i])
-            least = w[W.STEP + i]
-            w[W.SECOND + i] = least if step < least else min(w[W.SECOND + i], step)
-            w[W.FIRST + i] = 1.0 * c if step < least else w[W.FIRST + i]
-            w[W.STEP + i] = step if step < least else least
-            w[W.ONE + i] = step
-            w[W.DOUBT + i] = 1.0 if said != OK else w[W.DOUBT + i]
-        for i in range(width):
-            w[at + i] = w[W.ONE + i]
+        px, py, size, surface = row[PX], row[PY], row[SIZE], 1.0 * (base + c)
+        for b in range(0, width, 8):
+            near(w, b, px, py, size, surface, g)
+            n += listed(w, W.PAIRS + n, W.ONE + b, 1.0 * (LANES * c + b))
+    steps = W.PAIRS + LANES * circles
+    for first in range(0, n, LANES):
+        first_steps(w, first, min(LANES, n - first), steps, base, rows, g)
+    return n
 
 
-def nearest(w: Any, width: int, base: int, circles: int, rows: Any, g: float) -> None:
-    """March to circles, the nearest one first: it brings the end forward for all others."""
+@inlined
+def near(w: Any, b: int, px: float, py: float, size: float, surface: float, g: float) -> None:
+    """Set ONE for those of eight balls that may meet a circle before what was found.
+
+    For others :func:`grazing.billiard.gaps.first_step` has no root, or one that is later by far more than rounding.
+    """
+    size2 = (1.0 + 4.0 * GAP * EPS) * size * size
+    for k in range(8):
+        i = b + eights(k)
+        dx, dy, end = w[W.X + i] - px, w[W.Y + i] - py, w[W.END + i]
+        h = (1.0 - 4.0 * GAP * EPS) * (dx * dx + dy * dy) - size2
+        dh = 2.0 * (dx * w[W.VX + i] + dy * w[W.VY + i]) - w[W.FALL + i]
+        bend = w[W.BEND + i] - g * dy
+        most = bend * end
+        misses = (dh * dh < FAR * bend * h) | (dh >= 0.0)
+        later = h + (dh + most) * end >= SHARE * (abs(dh) + abs(most)) * end
+        later = later & ((bend <= 0.0) | (dh + 2.0 * most <= 0.0))
+        clear = (h > 0.0) & ((misses & (bend >= 0.0)) | later) & (w[W.LAST + i] != surface)
+        w[W.ONE + i] = 0.0 if clear else 1.0
+
+
+@inlined
+def first_steps(w: Any, first: int, n: int, steps: int, base: int, rows: Any, g: float) -> None:
+    """Ask of some pairs on the list how long they are surely apart."""
+    for k in range(n):
+        i, c = ball_and_circle(w, first + k)
+        gather(w, k, i, c, rows)
+        w[W.PEX + k], w[W.PEY + k] = w[W.PART + i], 1.0 if w[W.LAST + i] == base + c else 0.0
+    repeated(w, n, W.DX, W.PWHO)
+    for k in range((n + 7) // 8 * 8):
+        i = eights(k)
+        step, said = first_step(
+            w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], w[W.PEY + i] > 0.0, w[W.PEX + i]
+        )
+        w[W.PTIME + i], w[W.SAID + i] = step, 1.0 if said != OK else 0.0
+    for k in range(n):
+        i, c = ball_and_circle(w, first + k)
+        step, least = w[W.PTIME + k], w[W.STEP + i]
+        w[steps + first + k] = step
+        w[W.FIRST + i if step < least else W.S] = 1.0 * c  # without a branch
+        w[W.STEP + i] = min(least, step)
+        w[W.DOUBT + i] = max(w[W.DOUBT + i], w[W.SAID + k])
+
+
+@inlined
+def ball_and_circle(w: Any, k: int) -> Any:
+    """Return which ball and which circle a pair on the list is."""
+    pair = int(w[W.PAIRS + k])
+    return pair % LANES, pair // LANES
+
+
+@inlined
+def gather(w: Any, k: int, i: int, c: int, rows: Any) -> None:
+    """Put a ball as seen from a circle to a place."""
+    row = behind(rows, WIDTH * c)
+    w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
+    w[W.PVX + k], w[W.PVY + k] = w[W.VX + i], w[W.VY + i]
+
+
+def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, g: float) -> None:
+    """March to circles, the nearest one of each ball first: it brings the end forward for all others on the list."""
+    for k in range(width):
+        i = eights(k)
+        w[W.ONE + i] = 1.0 if w[W.FIRST + i] >= 0.0 and w[W.DOUBT + i] <= 0.0 else 0.0
     n = 0
-    for i in range(width):
-        w[W.BALL + n], w[W.CIRCLE + n], w[W.END + i] = 1.0 * i, w[W.FIRST + i], w[W.TIME + i] + w[W.LATE + i]
-        n += 1 if w[W.FIRST + i] >= 0.0 and not w[W.DOUBT + i] > 0.0 else 0
+    for b in range(0, width, 8):
+        n += listed(w, W.BALL + n, W.ONE + b, 1.0 * b)
+    for k in range(n):
+        i = int(w[W.BALL + k])
+        w[W.CIRCLE + k], w[W.PTIME + k] = w[W.FIRST + i], w[W.STEP + i]
     march(w, n, base, rows, g)
+    for k in range(width):
+        i = eights(k)
+        w[W.END + i] = w[W.TIME + i] + w[W.LATE + i] if w[W.DOUBT + i] <= 0.0 else -INFINITY
     n = 0
-    for i in range(width):
-        w[W.END + i] = w[W.TIME + i] + w[W.LATE + i]
-        if not w[W.SECOND + i] < w[W.END + i] or w[W.DOUBT + i] > 0.0:
-            continue
-        for c in range(circles):
-            w[W.BALL + n], w[W.CIRCLE + n] = 1.0 * i, 1.0 * c
-            n += 1 if w[W.STEPS + LANES * c + i] < w[W.END + i] and w[W.FIRST + i] != c else 0
-            if n == LANES:
-                march(w, n, base, rows, g)
-                n = 0
+    for k in range(pairs):
+        i, c = ball_and_circle(w, k)
+        w[W.BALL + n], w[W.CIRCLE + n], w[W.PTIME + n] = 1.0 * i, 1.0 * c, w[W.PAIRS + LANES * circles + k]
+        n += int((w[W.PTIME + n] < w[W.END + i]) & (w[W.FIRST + i] != c))
+        if n == LANES:
+            march(w, n, base, rows, g)
+            n = 0
     march(w, n, base, rows, g)
 
 
 def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
-    """March to all circles on the list, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
-    repeated(w, n, W.BALL, W.DX)
-    padded = (n + 7) // 8 * 8
-    for k in range(padded):
-        i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
-        row = behind(rows, WIDTH * c)
-        w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
-        w[W.PVX + k], w[W.PVY + k], w[W.PEND + k] = w[W.VX + i], w[W.VY + i], w[W.END + i]
-        w[W.PTIME + k] = w[W.STEPS + LANES * c + i]
-    looked_at(w, padded, g)
-    landed(w, padded, g)
+    """March from some balls to circles, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
     for k in range(n):
+        i = int(w[W.BALL + k])
+        gather(w, k, i, int(w[W.CIRCLE + k]), rows)
+        w[W.PEND + k], w[W.WHAT + k], w[W.SAID + k] = w[W.END + i], 1.0 * ON, 0.0
+    repeated(w, n, W.DX, W.PEX)
+    looked_at(w, padded(w, n), g)
+    m = 0
+    for b in range(0, n, 8):
+        for k in range(8):
+            i = b + eights(k)
+            w[W.ONE + i] = 0.0 if w[W.WHAT + i] == MISSED else 1.0
+        m += listed(w, W.S + m, W.ONE + b, 1.0 * b)
+    for k in range(m):
+        i = int(w[W.S + k])
+        for row in range(W.BALL, W.DX, LANES):
+            w[row + k] = w[row + i]
+        for row in range(W.PTIME, W.PEND, LANES):
+            w[row + k] = w[row + i]
+        for row in range(W.WHAT, W.S, LANES):
+            w[row + k] = w[row + i]
+    landed(w, padded(w, m), g)
+    for k in range(m):
         i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
-        what, t = w[W.WHAT + k], w[W.PTIME + k]
-        doubt = w[W.SAID + k] > 0.0 or what == ON
-        t = INFINITY if what == MISSED or doubt else t
+        t, doubt = arrival(w, k)
         taken(w, i, base + c, rows[WIDTH * c + OWNER], t, w[W.PLATE + k], doubt)
+
+
+@inlined
+def padded(w: Any, n: int) -> int:
+    """Return the multiple of eight from n on; what is there beside n circles is MISSED."""
+    for k in range(n, (n + 7) // 8 * 8):
+        w[W.WHAT + k] = 1.0 * MISSED
+    return (n + 7) // 8 * 8
+
+
+@inlined
+def arrival(w: Any, k: int) -> Any:
+    """Return (t, doubt): when a circle is met by what is known of it, infinity for never."""
+    doubt = (w[W.SAID + k] > 0.0) | (w[W.WHAT + k] == ON)
+    return INFINITY if doubt or w[W.WHAT + k] == MISSED else w[W.PTIME + k], doubt
 
 
 @inlined
 def looked_at(w: Any, n: int, g: float) -> None:
     """Look at circles, eight at a time, until nothing is to be looked at again."""
-    for k in range(n):
-        w[W.WHAT + eights(k)], w[W.SAID + eights(k)] = 1.0 * ON, 0.0
     for _ in range(LOOKS):
         some = False
         for b in range(0, n, 8):  # one after the other: a processor then works on several
@@ -311,25 +474,38 @@ def landed(w: Any, n: int, g: float) -> None:
         i = eights(k)
         near = w[W.WHAT + i] == NEAR
         w[W.S + i] = first_guess(w[W.H + i], w[W.DH + i], w[W.K + i], w[W.REACH + i]) if near else 0.0
-        w[W.A + i], w[W.B + i], w[W.GOING + i] = 0.0, w[W.REACH + i], 1.0 if near else 0.0
+        w[W.A + i], w[W.B + i], w[W.GOING + i] = 0.0, w[W.REACH + i] if near else 0.0, 1.0
     for _ in range(ROOTS):
-        some = 0
-        for k in range(n):
-            i = eights(k)
-            old, going = w[W.S + i], w[W.GOING + i] > 0.0
-            s, low, high, done = nearer_root(
-                old, w[W.A + i], w[W.B + i], w[W.H + i], w[W.DH + i], w[W.K + i], w[W.C3 + i], 0.25 * g * g
-            )
-            w[W.S + i], w[W.A + i], w[W.B + i] = s if going else old, low, high
-            w[W.GOING + i] = 0.0 if done else w[W.GOING + i]
-            some |= 1 if going and not done else 0
-        if some == 0:
+        some = False
+        for b in range(0, n, 8):
+            if w[W.GOING + b] > 0.0:
+                going = go_on(w, b, g)
+                w[W.GOING + b] = 1.0 if going else 0.0
+                some = some or going
+        if not some:
             break
     for k in range(n):
         i = eights(k)
-        begin = w[W.PTIME + i]
-        w[W.PLATE + i] = lateness(w[W.PLATE + i], w[W.RATE + i], begin)
+        begin, rate = w[W.PTIME + i], -1.0 if w[W.WHAT + i] == MISSED else w[W.RATE + i]
+        w[W.PLATE + i] = lateness(w[W.PLATE + i], rate, begin)
         w[W.PTIME + i] = begin + w[W.S + i]
+
+
+@inlined
+def go_on(w: Any, b: int, g: float) -> Any:
+    """Take a step of Newton's method for eight flights; say whether one of them is still to be brought down.
+
+    The others stay where they are: there is nothing between their bounds.
+    """
+    some = 0
+    for k in range(8):
+        i = b + eights(k)
+        s, low, high, done = nearer_root(
+            w[W.S + i], w[W.A + i], w[W.B + i], w[W.H + i], w[W.DH + i], w[W.K + i], w[W.C3 + i], 0.25 * g * g
+        )
+        w[W.S + i], w[W.A + i], w[W.B + i] = s, s if done else low, s if done else high
+        some |= 0 if done else 1
+    return some != 0
 
 
 @inlined

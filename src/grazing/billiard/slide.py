@@ -46,6 +46,7 @@ DEEP = 64.0
 HITS, ONTO, ENDS, LEAVES, WAITS, STAYS = range(6)
 
 
+@inlined
 def pressing(nx: float, ny: float, bend: float, speed: float, g: float) -> float:
     """Return the normal force on a ball that moves along a surface, by its mass; below 0 it leaves."""
     return g * ny - bend * speed * speed

@@ -28,12 +28,13 @@ class Rows(NamedTuple):
     WHO: int
     DOUBT: int
     LAST: int  # the surface just left, -1 for one of a flipper
-    # of circles: the least part of k, the earliest safe step, of which circle, the one after it, how long is looked
+    # of circles: the least part of k, the earliest safe step, of which circle, how long is looked; errors, k with them
     PART: int
     STEP: int
     FIRST: int
-    SECOND: int
     END: int
+    FALL: int
+    BEND: int
     ONE: int
     # of pairs of a ball and a circle: which they are, as it is seen from the centre
     BALL: int
@@ -62,13 +63,41 @@ class Rows(NamedTuple):
     A: int
     B: int
     GOING: int
-    # safe steps: a row for each circle
-    STEPS: int
+    # of each ball and each circle that it may meet: which pair that is; behind all of them, their safe steps
+    PAIRS: int
 
 
 W = Rows(*(LANES * i for i in range(len(Rows._fields))))
 
 
+class Impacts(NamedTuple):
+    """Rows of impacts: over those of pairs, which are done with by then."""
+
+    # of the surface: a point, size, direction; the last number of that is the sign of a side of an arc
+    PX: int
+    PY: int
+    SIZE: int
+    EX: int
+    EY: int
+    # place, velocity before, frame, velocities along the normal and along the surface; the velocity after
+    X: int
+    Y: int
+    BVX: int
+    BVY: int
+    NX: int
+    NY: int
+    BEND: int
+    SPEED: int
+    ALONG: int
+    AWAY: int
+    VX: int
+    VY: int
+    PLAIN: int  # whether that is all that happens
+
+
+I = Impacts(*(W.BALL + LANES * i for i in range(len(Impacts._fields))))
+
+
 def room_for(circles: int) -> int:
     """Return how many numbers a workspace has."""
-    return W.STEPS + LANES * circles
+    return W.PAIRS + (2 * circles + 1) * LANES

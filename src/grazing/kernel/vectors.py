@@ -1,6 +1,6 @@
 """Lists of some of many numbers, made and given back, and records turned into rows.
 
-``work`` and ``table`` are what :func:`grazing.kernel.primitives.numbers` returns. One has a wide
+``work`` and ``table`` are what :func:`grazing.kernel.primitives.numbers` returns. Two have a wide
 form in :mod:`grazing.kernel.wide.vectors`.
 """
 
@@ -25,6 +25,19 @@ def transposed(work: Any, to: int, step: int, table: Any, where: int, plus: int)
         record = int(work[where + k] - WHOLE) + plus
         for h in range(4):
             work[to + h * step + k] = table[record + h]
+
+
+@inlined
+def listed(work: Any, to: int, flags: int, first: float) -> int:
+    """Write the numbers of those of eight places to a list where a flag is above 0, and return how many there are.
+
+    The number of place k is ``first + k``. What is written is eight numbers long; those behind the list mean nothing.
+    """
+    n = 0
+    for k in range(8):
+        work[to + n] = first + k
+        n += 1 if work[flags + k] > 0.0 else 0
+    return n
 
 
 @inlined

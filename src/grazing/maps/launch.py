@@ -13,12 +13,13 @@ from grazing.billiard.carried import next_carried
 from grazing.billiard.contact import next_impact
 from grazing.billiard.gates import own_copy
 from grazing.billiard.hit import away_of, way_at
-from grazing.billiard.packed import impact_of, padded_contacts
+from grazing.billiard.packed import impact_of, impacts, padded_contacts
 from grazing.billiard.rows import CIRCLES
-from grazing.billiard.workspace import LANES, W, room_for
+from grazing.billiard.workspace import LANES, I, W, room_for
 from grazing.kernel.compile import compiled
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import inlined, numbers, numbers_at
+from grazing.kernel.turns import eights
 from grazing.maps.collide import Kernels
 from grazing.outcome import ESCAPED, FATAL, OK, TOO_MANY_IMPACTS
 
@@ -206,6 +207,20 @@ def ended(w: Any, i: int, most: int, table: Any, found: Found) -> bool:
     return True
 
 
+@inlined
+def went_on(w: Any, n: int, most: int) -> None:
+    """Take balls over plain impacts, but for their last one; the others are then not PLAIN."""
+    for k in range((n + 7) // 8 * 8):
+        i = eights(k)
+        goes = w[I.PLAIN + i] > 0.0 and w[W.HITS + i] < most
+        w[I.PLAIN + i] = 1.0 if goes else 0.0
+        w[W.X + i], w[W.Y + i] = w[I.X + i] if goes else w[W.X + i], w[I.Y + i] if goes else w[W.Y + i]
+        w[W.VX + i], w[W.VY + i] = w[I.VX + i] if goes else w[W.VX + i], w[I.VY + i] if goes else w[W.VY + i]
+        w[W.CLOCK + i] = w[W.CLOCK + i] + (w[W.TIME + i] if goes else 0.0)
+        w[W.LEFT + i] = w[W.SURFACE + i] if goes else w[W.LEFT + i]
+        w[W.HITS + i] = w[W.HITS + i] + (1.0 if goes else 0.0)
+
+
 def fly(
     w: Any, job: Any, rounds: int, x: float, y: float, most: int, angles: Any, speeds: Any, table: Any, found: Found
 ) -> None:  # fmt: skip
@@ -222,8 +237,10 @@ def fly(
         if n == 0:
             break
         padded_contacts(w, n, table)
+        impacts(w, n, table)
+        went_on(w, n, most)
         for i in range(n - 1, -1, -1):
-            if ended(w, i, most, table, found):
+            if not w[I.PLAIN + i] > 0.0 and ended(w, i, most, table, found):
                 n -= 1
                 for row in range(W.X, W.SURFACE, LANES):  # the last one takes its place
                     w[row + i] = w[row + n]

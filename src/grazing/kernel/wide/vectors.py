@@ -1,4 +1,4 @@
-"""The compiled form of records turned into rows: it moves whole vectors."""
+"""The compiled forms of lists of some of eight numbers, and of records turned into rows: they move whole vectors."""
 
 from __future__ import annotations
 
@@ -8,8 +8,9 @@ from llvmlite import ir
 from numba import types
 
 from grazing.kernel.primitives import compiled_form
-from grazing.kernel.vectors import WHOLE_BITS, transposed
-from grazing.kernel.wide.simd import Lanes, Memory, short, whole
+from grazing.kernel.private import cgutils
+from grazing.kernel.vectors import WHOLE_BITS, listed, transposed
+from grazing.kernel.wide.simd import Lanes, Memory, constant, equal, short, whole
 
 n = types.int64
 
@@ -36,3 +37,18 @@ def _transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where
         return context.get_dummy_value()
 
     return types.void(work, n, n, table, n, n), code
+
+
+@compiled_form(listed)
+def _listing(_context: Any, work: Any, to: Any, flags: Any, first: Any) -> Any:
+    def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+        lanes, byte = Memory(builder, args[0], 8), ir.IntType(8)
+        mask = builder.fcmp_ordered(">", lanes.load(args[2]).value, constant(builder, 0.0, 8).value)
+        places = Lanes(builder, ir.Constant(lanes.kind, [float(k) for k in range(8)]))
+        given = [(equal(builder, args[3], 8) + places).value, mask, ir.Constant(lanes.kind, ir.Undefined)]
+        kind = ir.FunctionType(lanes.kind, [one.type for one in given])
+        compress = cgutils.get_or_insert_function(builder.module, kind, "llvm.experimental.vector.compress.v8f64")
+        lanes.store(Lanes(builder, builder.call(compress, given)), args[1])
+        return builder.zext(builder.ctpop(builder.bitcast(mask, byte)), whole)
+
+    return n(work, n, n, types.float64), code
