@@ -295,3 +295,12 @@ def test_it_comes_to_the_other_side_of_what_it_slides_away_from(r, rho):
     flown = gz.trajectory(gz.table(ring, 0.1), (0.0, -1.4, 1.0, 0.0), until=60.0)
     assert np.hypot(flown.x - 1.1, flown.y).values.min() > 0.4 - 1e-12
     assert flown.outcome == "ok" and (flown.impact_wall.values == "post").sum() >= 2
+
+
+@pytest.mark.parametrize("side", [1, -1])
+def test_from_a_dome_onto_a_wall_of_a_level_table_it_hits_the_floor(side):
+    """Nothing presses it on there; it was taken for one that slid off the floor, which was ahead, and went through."""
+    walls = [gz.segment("wall", (2 * side, -3), (2 * side, 0), SOFT), gz.segment("floor", (-3, -3), (3, -3), SOFT)]
+    table = gz.table([gz.arc("dome", (0, 0), 2.0, 0.0, pi, DEAD), *walls], 0.1)
+    flown = gz.trajectory(table, (0.0, 1.2, side, 0.2), until=20.0)
+    assert flown.y.values.min() > -2.9 - 1e-12 and "floor" in flown.impact_wall.values

@@ -183,3 +183,17 @@ def test_units_do_not_matter(length, time):
     two = gz.launches(other, (3.0 * length, 4.0 * length), angle, speed * length / time)
     np.testing.assert_array_equal(one.hits, two.hits)
     np.testing.assert_array_equal(one.time * time, two.time)
+
+
+@pytest.mark.parametrize("way", [1, -1])
+def test_along_the_underside_over_the_tip_or_from_it_it_leaves_at_once(way):
+    """Without a bounce it has no speed along the normal but rounding, which put it behind the tip: it hung there."""
+    for rest in np.linspace(2.1, 3.9, 13).tolist():
+        one = gz.flipper("F", (0, 0), 2.0, (0.2, 0.1), rest, rest - 1.0, gz.newton(0.0), up=2.0, down=1.0)
+        floor = gz.segment("floor", (-20, -4), (20, -4), gz.newton(0.7))
+        P = gz.collision_map(gz.table([one, floor], 0.1, tilt=0.5 * np.pi), on="F")
+        for place in (P.box[0][0], P.box[0][0] + 0.7):
+            state = place, way * 0.5 * np.pi, 2.0
+            new, letter = P(state)
+            assert P.letters.symbol(letter) == "(floor)" or abs(new[0] - place) > 0.1
+            assert np.isfinite(P.jacobian(state)).all() == (new[2] > 0.0)

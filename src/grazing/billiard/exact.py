@@ -59,7 +59,7 @@ from grazing.billiard.rows import (
     THINGS,
     WIDTH,
 )  # fmt: skip
-from grazing.billiard.turning_exact import turning_roots
+from grazing.billiard.turning_exact import slips_off, turning_roots
 from grazing.outcome import AMBIGUOUS, GRAZE, OK
 
 Floats = NDArray[np.float64]
@@ -188,8 +188,8 @@ def exact_contact(
     gaps = list(gaps_of(block, state, last if last < base else -1, slid))
     rows = block[HEAD + THING * int(block[THINGS]) + WIDTH * (faces + others) :]
 
-    if slid and last >= base:  # off the tip of a flipper: that it comes back to that at once is not decided here
-        raise Undecided
+    if last >= base and (slid or slips_off(rows, state, float(block[GRAVITY]), last - base, clock)):
+        raise Undecided  # off a flipper: that it comes back to that at once is not decided here
     number = last - base
 
     def turning(end: float, final: bool) -> Iterator[Root]:

@@ -133,7 +133,7 @@ def seen(
         w = min(w, 2.0 * size / sqrt(vx * vx + now * now + g * size))
     up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
     if fresh:
-        low, fall = 0.0, max(fall, 0.5 * dh)
+        low, fall = 0.0, max(fall, 0.5 * dh, 0.0)
     near = min(4.0 * max(up, 0.0) / -rate, w) if rate < 0.0 else 0.0
     most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
     most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
@@ -287,7 +287,7 @@ def first_step(dx: float, dy: float, vx: float, vy: float, g: float, size: float
     k -= GAP * EPS * (2.0 * (vx * vx + vy * vy) + g * (abs(dx) + abs(dy) + size))
     low, fall = max(h - e, 0.0), dh - d
     if fresh:
-        low, fall = 0.0, max(fall, 0.5 * dh)
+        low, fall = 0.0, max(fall, 0.5 * dh, 0.0)
         if rests(dh, vx * vx + vy * vy - g * dy, e):
             return 0.0, STUCK
     elif h < -DEEP * e:

@@ -254,7 +254,8 @@ def slide(x: float, y: float, vx: float, vy: float, surface: int, clock: float, 
     here = x, y, -ny * speed, nx * speed
     if not pressing(nx, ny, bend, speed, g) > 0.0:  # it leaves, unless a surface that bends less begins here
         s, at, why, flags = stop(surface, x, y, speed, 1.0 if speed > 0.0 else -1.0, clock, table)
-        return (at if at >= 0 else surface, why if at >= 0 and s <= width else LEAVES, 0.0, flags), here
+        begins = at >= 0 and s <= width
+        return (at if begins else surface, why if begins else LEAVES, 0.0, flags), here
     high, above, why_high, said = stop(surface, x, y, speed, 1.0, clock, table)
     low, below, why_low, also = stop(surface, x, y, speed, -1.0, clock, table)
     flags, down, still = said | also, 1.0 if fall >= 0.0 else -1.0, speed == 0.0 and fall == 0.0

@@ -187,7 +187,7 @@ def turned(
         if not (e < INFINITY and b < INFINITY):
             return t, 0.0, flags | DIVERGED
         if fresh:
-            low, fall = 0.0, max(dh - d, 0.5 * dh)
+            low, fall = 0.0, max(dh - d, 0.5 * dh, 0.0)
         else:
             up, rate, low, fall = h + e, dh + d, max(h - e, 0.0), dh - d
             if h < -e and doubt < INFINITY and rate >= 0.0:  # through and back, by less than can be decided
@@ -301,6 +301,8 @@ def of_flipper(
     off that, ON if it lay on it, and 0 for neither.
     """
     flight, phase, t, flags = (x - row[PX], y - row[PY], vx, vy, g, x, y), clock_of(clock, row), 0.0, OK
+    over = last >= 0 and off == 0.0 and slips_over(flight, last, phase, row, pieces)
+    off = OFF if over else off
     if last < 0:
         t = comes_near(0.0, flight, row, end)
         if not t < end:
@@ -313,7 +315,8 @@ def of_flipper(
         until = min(begin_of(number + 1, turns, phase, row, pieces), end)
         kind, first, slack = -1, INFINITY, 0.0
         for i in range(KINDS):
-            begins, slips = t, off > 0.0 and t == 0.0 and beside(flight, i, last == i, row, begin, piece)
+            begins, slips = t, off > 0.0 and t == 0.0
+            slips = slips and ((over and i == AT_TIP) or beside(flight, i, last == i, row, begin, piece))
             if slips and piece[OMEGA] != 0.0 and off == OFF:
                 begins = clear_until(flight, i, row, begin, piece, until)
             if slips and piece[OMEGA] == 0.0:
@@ -344,6 +347,26 @@ def beside(flight: Any, kind: int, left: bool, row: Any, begin: float, piece: An
     unit = 2.0 * row[TIP] if kind == AT_TIP else 1.0  # that gap is the difference of two squares
     fast = unit * (abs(flight[2]) + abs(flight[3]))
     return left or ((kind != AT_TIP or piece[OMEGA] != 0.0) and touches(h, dh, e, fast))
+
+
+def slips_over(flight: Any, last: int, phase: float, row: Any, pieces: Any) -> bool:
+    """Say whether a ball leaves a surface of a flipper along that, where the next one begins, and neither holds it.
+
+    Rounding may put it behind that one, which has the same normal there: it meets neither, as one that slid off.
+    """
+    number, turns = piece_at(0.0, phase, row, pieces)
+    piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
+    fast, joined = abs(flight[2]) + abs(flight[3]), False
+    for i in range(KINDS):
+        (h, dh, k), (e, _d, b), _at = look(0.0, flight, i, row, begin, piece)
+        unit = 2.0 * row[TIP] if i == AT_TIP else 1.0
+        if touches(0.0 if i == last else h, dh, e, unit * fast):
+            joined = joined or i != last
+            if k < b:
+                return False
+        elif i == last:
+            return False
+    return joined
 
 
 @inlined

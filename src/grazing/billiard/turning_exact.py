@@ -36,7 +36,7 @@ from grazing.billiard.flippers import (
 )  # fmt: skip
 from grazing.billiard.gaps import EPS
 from grazing.billiard.roots import Gap, Root, Undecided, exact, inside, made, roots_of
-from grazing.billiard.turning import begin_of, clock_of, comes_near, piece_at
+from grazing.billiard.turning import begin_of, clock_of, comes_near, piece_at, slips_over
 
 Floats = NDArray[np.float64]
 #: A gap that begins below 0 by less than this share of the sizes it is made of begins at 0: that is rounding.
@@ -69,6 +69,14 @@ def windows_of(
         piece = pieces[PIECE_WIDTH * number :][:PIECE_WIDTH]
         yield Window(t, until, begin_of(number, turns, phase, row, pieces), piece, t == 0.0)
         t = comes_near(until, flight, row, end) if until < end else inf
+
+
+def slips_off(rows: Floats, state: tuple[float, ...], g: float, left: int, clock: float) -> bool:
+    """Say whether a ball leaves a flipper as one that slid off it; ``left`` counts from the first surface of all."""
+    row = rows[FLIPPER_WIDTH * (left // KINDS) :][:FLIPPER_WIDTH]
+    x, y, vx, vy = state
+    flight = (x - row[PX], y - row[PY], vx, vy, g, x, y)
+    return slips_over(flight, left % KINDS, clock_of(clock, row), row, rows[int(row[AT]) :])
 
 
 def turning_roots(
