@@ -4,6 +4,7 @@ import tracemalloc
 import numpy as np
 import pytest
 import xarray as xr
+from scipy.io import netcdf_file
 
 import grazing as gz
 from grazing.io import load, save
@@ -90,10 +91,10 @@ def test_a_failure_leaves_the_old_file_and_nothing_else(tmp_path, monkeypatch, w
 
     def full(*args, **kwargs):
         if where == "writing":
-            args[1].write_bytes(b"CDF half")
+            args[0].fp.write(b"CDF half")
         raise OSError(28, "No space left on device")
 
-    monkeypatch.setattr(*((xr.Dataset, "to_netcdf") if where == "writing" else (os, "replace")), full)
+    monkeypatch.setattr(*((netcdf_file, "flush") if where == "writing" else (os, "replace")), full)
     with pytest.raises(gz.InputError, match="cannot be written: No space left on device; choose another folder"):
         save(xr.Dataset({"x": 1}), path)
     assert path.read_bytes() == before
@@ -165,7 +166,7 @@ def test_saving_and_loading_take_few_copies(tmp_path):
     result = xr.Dataset({"x": ("n", np.linspace(0.0, 1.0, 10**6))})
     save(result[{"n": [0]}], tmp_path / "small.nc")  # imports what it needs
     load(tmp_path / "small.nc")
-    for action, copies in ((lambda: save(result, tmp_path / "a.nc"), 2), (lambda: load(tmp_path / "a.nc"), 3)):
+    for action, copies in ((lambda: save(result, tmp_path / "a.nc"), 1), (lambda: load(tmp_path / "a.nc"), 3)):
         tracemalloc.start()
         try:
             action()

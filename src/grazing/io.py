@@ -51,6 +51,8 @@ _STORED |= {"bool": "int8", "uint8": "int16", "uint16": "int32", "uint32": "floa
 def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     """Write a result to a NetCDF file, whole or not at all.
 
+    Numbers are copied once for that, so that it takes their room again, and no more.
+
     Parameters
     ----------
     result : xarray.Dataset
@@ -86,10 +88,30 @@ def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     stored.attrs[CREATED] = datetime.now(UTC).isoformat(timespec="seconds")
     with whole_file(target) as part:
         try:
-            stored.to_netcdf(part, engine="scipy", format="NETCDF3_64BIT")
+            _write(stored, part)
         except (ValueError, NotImplementedError) as error:  # such as a name that NetCDF keeps for itself: int, real
             raise InputError(f"{target} cannot be written: {error}; rename it or make it text") from error
     return target
+
+
+class _Bytes(np.ndarray):
+    """Numbers that are written as they stand: their bytes are no copy, which would take the room of all of them."""
+
+    def tobytes(self, order: Any = "C") -> memoryview:  # type: ignore[override]
+        return np.asarray(self).reshape(-1).view(np.uint8).data
+
+
+def _write(stored: xr.Dataset, part: Path) -> None:
+    """Write a dataset to a file."""
+    from xarray.backends import ScipyDataStore
+
+    store = ScipyDataStore(str(part), "w", "NETCDF3_64BIT")
+    try:
+        stored.dump_to_store(store)
+        for variable in store.ds.variables.values():
+            vars(variable)["data"] = variable.data.view(_Bytes)  # an attribute that is set is one of the file
+    finally:
+        store.close()
 
 
 def load(path: str | os.PathLike[str]) -> xr.Dataset:
@@ -227,7 +249,7 @@ def _encoded(result: xr.Dataset) -> xr.Dataset:
     variables: dict[Hashable, Any] = {}
     room = 0
     for name in names:
-        if not isinstance(name, str):
+        if not isinstance(name, str) or not name:
             raise InputError(f"variable {name!r} has no text for a name; rename it")
         variable = result.variables[name]
         kept: dict[str, Any] = {"dtype": variable.dtype.str, "coordinate": name in result.coords, "attrs": {}}

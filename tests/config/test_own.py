@@ -228,3 +228,12 @@ def test_two_edits_with_one_time_are_two_files(tmp_path):
         file.write_text(f"import grazing as gz\nG = gz.gap_map(lam={value}, mu=0.1, l=0.2)\n")
         os.utime(file, ns=(10**18, 10**18))
         assert own_object(Named(f"{file}:G")).params["lam"] == value
+
+
+def test_a_file_without_end_is_no_program(tmp_path):
+    """It was read into memory."""
+    file = tmp_path / "mine.py"
+    with file.open("wb") as opened:
+        opened.truncate(2**24 + 1)  # nothing but a hole
+    with pytest.raises(InputError, match=r"mine\.py is larger than 16777216 bytes"):
+        own_object(Named(f"{file}:P"))

@@ -346,6 +346,16 @@ def test_plain_python_when_the_jit_is_off(tmp_path, value):
     assert done.stdout.split() == ["False", "True"], done.stderr
 
 
+def test_a_file_that_tells_numba_not_to_compile_is_said(monkeypatch):
+    """Numba alone reads it, .numba_config.yaml in the folder of a process: it ended in an AttributeError."""
+    import numba
+
+    monkeypatch.setattr(numba.config, "DISABLE_JIT", 1)
+    monkeypatch.setattr(numba.config, "reload_config", lambda: None)
+    with pytest.raises(InputError, match=r"\.numba_config\.yaml not to compile; set NUMBA_DISABLE_JIT=1 instead"):
+        compiled(lambda x: x + 1.0)
+
+
 def test_compiled_kernels_release_the_lock():
     entry = compiled(outer)
     assert entry.targetoptions["nogil"] is True

@@ -14,6 +14,7 @@ import xarray as xr
 import grazing as gz
 from grazing import sweep
 from grazing.config import plan_of
+from grazing.config.build import RECIPE
 from grazing.outcome import GrazingError
 from grazing.sweep import manifest
 from tests.sweep.forger import bound, forged
@@ -265,7 +266,7 @@ def test_chunks_larger_than_the_array_are_refused(store):
     ("file", "key", "value"),
     [("zarr.json", "title", "chart"), ("zarr.json", "Conventions", None), ("mean/zarr.json", "units", "mm"),
      ("mu/zarr.json", "long_name", "time"), ("zarr.json", "grazing_code_sha256", "0"),
-     ("zarr.json", "grazing_made_by", "{}")],
+     ("zarr.json", "grazing_made_by", "{}"), ("zarr.json", "coordinates", "label x0 mean")],
 )  # fmt: skip
 def test_attributes_are_held_to_the_plan(store, file, key, value):
     """What a result says of its numbers was believed: metres became millimetres, and every hash fitted."""
@@ -279,6 +280,23 @@ def test_attributes_are_held_to_the_plan(store, file, key, value):
         assert [one.variable for one in found.differences] == [file.removesuffix("/zarr.json")]
         assert f"its attributes {key} are not those of the plan; begin another store" in str(found)
     assert not found.ok and not found.mended and not found.missing
+
+
+@pytest.mark.parametrize(
+    "recipe", [{"study": "diagram", "map": name, "vary": {"mu": "0:0.1:7"}} for name in ("gap", "mine.py:P", "none")]
+)
+def test_a_recipe_that_was_put_in_is_held_to_the_plan(store, recipe):
+    """``grazing info`` says from it by what command the result is made again; one that names code runs nothing."""
+
+    def change(metadata, _layout, _prints):
+        metadata["zarr.json"]["attributes"][RECIPE] = json.dumps(recipe)
+
+    forged(store, change)
+    found = sweep.verify(store, plan=plan(7))
+    if recipe["map"] == "mine.py:P":
+        assert found.ok
+    else:
+        assert str(found).partition("zarr.json: ")[2].startswith("its recipe is of another sweep (")
 
 
 def test_a_recipe_of_another_sweep_adds_nothing(tmp_path):

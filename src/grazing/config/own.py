@@ -33,6 +33,8 @@ KEYS = ("map", "model")
 TRUST = "trust"
 #: Letters of a name: no system opens a file with a longer one, and to look for it takes minutes.
 LONGEST = 4096
+#: Bytes of a file beyond which it is no program.
+LARGEST = 2**24
 
 
 class Named(str):
@@ -170,7 +172,9 @@ class _Source(importlib.machinery.SourceFileLoader):
 def _module(path: Path) -> Any:
     """Return the module of a file; run it once per process and state of the file."""
     with opened(path) as file:
-        text, written = file.read(), os.fstat(file.fileno()).st_mtime_ns  # two edits can have one time
+        text, written = file.read(LARGEST + 1), os.fstat(file.fileno()).st_mtime_ns  # two edits can have one time
+    if len(text) > LARGEST:
+        raise InputError(f"{path} is larger than {LARGEST} bytes; give file.py:name")
     name = f"{OWN_MODULE}{path.stem}_{abs(hash((str(path.resolve()), written, text)))}"
     if name in sys.modules:
         return sys.modules[name]

@@ -214,6 +214,10 @@ def _first_sentence(error: Exception) -> str:
 def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, announce: str = "") -> Any:
     import numba
 
+    if numba.config.DISABLE_JIT:
+        numba.config.reload_config()  # it may be as it was when numba was imported
+    if numba.config.DISABLE_JIT:
+        raise InputError("numba is told by a file .numba_config.yaml not to compile; set NUMBA_DISABLE_JIT=1 instead")
     content = digest(function, known)
     resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic, known))
     # Machine code from the disk brings its callees along, and the linker knows them by name only: two different

@@ -23,7 +23,7 @@ from grazing.studies.plan import Plan
 from grazing.sweep.codec import encode, fill_value
 from grazing.sweep.files import Print, fsync_folder, print_of, read_file, write_file
 from grazing.sweep.grid import Grid
-from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, RECIPE, Spec, laid_out
+from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, RECIPE, Layout, Spec, laid_out
 from grazing.sweep.letters import stored_attrs
 from grazing.sweep.lock import process_exists
 from grazing.sweep.made_by import made_by
@@ -94,18 +94,23 @@ def tidy(path: Path) -> None:
                 shutil.rmtree(other, ignore_errors=True)
 
 
+def attrs_of_all(plan: Plan, layout: Layout) -> dict[str, Any]:
+    """Return what a store says of the whole, but for its layout and its recipe."""
+    attrs = stored_attrs(plan.document, "", {}) | {MADE_BY: json.dumps(made_by(plan), sort_keys=True)}
+    extra = sorted(set(layout.coords) - set(plan.axes))
+    if extra:
+        attrs["coordinates"] = " ".join(extra)  # how xarray tells a coordinate from a variable
+    return attrs
+
+
 def write_template(folder: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
     """Write the metadata of all arrays, the numbers of the coordinates, and what the manifest says of both."""
     import zarr
 
     layout, specs = laid_out(plan, grid)
-    extra = sorted(set(layout.coords) - set(plan.axes))
-    attrs = stored_attrs(plan.document, "", {}) | {LAYOUT: layout.text()}
-    attrs[MADE_BY] = json.dumps(made_by(plan), sort_keys=True)
+    attrs = attrs_of_all(plan, layout) | {LAYOUT: layout.text()}
     if plan.recipe is not None:
         attrs[RECIPE] = json.dumps(plan.recipe, sort_keys=True)
-    if extra:
-        attrs["coordinates"] = " ".join(extra)  # how xarray tells a coordinate from a variable
     group = zarr.open_group(str(folder), mode="w", zarr_format=3, attributes=attrs)
     for name, spec in specs.items():
         _array(group, name, spec)

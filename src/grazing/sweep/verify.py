@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import os
 from collections.abc import Iterator, Mapping
 from contextlib import nullcontext
@@ -15,7 +14,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.outcome import InputError, in_one_line, listed, shown
+from grazing.outcome import GrazingError, InputError, in_one_line, listed, shown
 from grazing.parameter import real, whole
 from grazing.pool import run_tasks
 from grazing.studies.plan import Plan, Progress, empty_arrays
@@ -30,6 +29,7 @@ from grazing.sweep.opened import open_existing
 from grazing.sweep.same import refuse_another
 from grazing.sweep.store import ASIDE, Store, folder_of, stored_chunk
 from grazing.sweep.task import computed, plan_from_recipe
+from grazing.sweep.template import attrs_of_all
 
 #: What a difference names where the record of a chunk is at fault.
 RECORD = "record"
@@ -182,7 +182,7 @@ def verify(
         count = min(len(done), max(1, ceil(share * len(done))))
         chosen = np.sort(np.random.default_rng(seed).choice(done, count, replace=False)) if count else done
         coordinates = list(_coordinates(found, plan))
-        differences = [*coordinates, *_attributes(found, plan)]
+        differences = [*coordinates, *_attributes(found, plan), *_recipe(found, plan)]
         tasks = [
             partial(_check, plan, found, int(number), bool(again), differences)
             for number, again in zip(done, np.isin(done, chosen), strict=True)
@@ -244,17 +244,30 @@ def _attributes(store: Store, plan: Plan) -> Iterator[Difference]:
     here = made_by(plan)
     if any(here.get(key) != value for key, value in store.begun_by.items()):
         return
-    of_all = stored_attrs(plan.document, "", {}) | (
-        {MADE_BY: json.dumps(here, sort_keys=True)} if store.template else {}
-    )
+    layout, specs = laid_out(plan, store.grid)
+    of_all = attrs_of_all(plan, layout) if store.template else stored_attrs(plan.document, "", {})
     pairs: dict[str, tuple[Mapping[str, Any], Mapping[str, Any]]] = {"zarr.json": (of_all, store.attrs)}
-    pairs |= {name: (spec.attrs, store.arrays[name].attrs) for name, spec in laid_out(plan, store.grid)[1].items()}
+    pairs |= {name: (spec.attrs, store.arrays[name].attrs) for name, spec in specs.items()}
     for name, (wanted, there) in pairs.items():
-        own = {RECIPE, LAYOUT, MADE_BY, "coordinates"} - {*wanted} if name == "zarr.json" else set()
+        own = {RECIPE, LAYOUT} if name == "zarr.json" else set()
+        own |= {MADE_BY, "coordinates"} if store.template is None else set()
         wrong = [key for key in sorted({*wanted, *there} - own) if wanted.get(key, _NONE) != there.get(key, _NONE)]
         if wrong:
             reason = f"its attributes {listed(wrong, 8)} are not those of the plan; begin another store"
             yield Difference(name, None, (), "", reason)
+
+
+def _recipe(store: Store, plan: Plan) -> Iterator[Difference]:
+    """Make the plan of the recipe, which says by what command a result is made again; code that it names is not run."""
+    from grazing.config.own import NotNamed
+
+    try:
+        if store.recipe is not None and store.recipe != plan.recipe:
+            refuse_another(store, plan_from_recipe(store), other_code=True)
+    except NotNamed:
+        return
+    except GrazingError as error:
+        yield Difference("zarr.json", None, (), "", f"its recipe is of another sweep ({error}); begin another store")
 
 
 def _coordinates(store: Store, plan: Plan) -> Iterator[Difference]:
