@@ -212,5 +212,7 @@ def test_a_raster_larger_than_half_the_memory_is_refused_at_once(monkeypatch):
 
 
 def test_the_middles_of_bins_near_the_largest_number_are_finite():
-    found = gz.density(gz.gap_map(lam=0.5, mu=0.1, l=0.1), "mu", [0.1], bins=2, range=(1e308, 1.5e308), starts=1, keep=1)
+    found = gz.density(
+        gz.gap_map(lam=0.5, mu=0.1, l=0.1), "mu", [0.1], bins=2, range=(1e308, 1.5e308), starts=1, keep=1
+    )
     np.testing.assert_allclose(found["x"], [1.125e308, 1.375e308])
