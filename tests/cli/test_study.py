@@ -216,6 +216,8 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
         ("trajectory u=0.1 v=abc", "error: v = 'abc' is not a real number"),
         ("trajectory u=1e999 v=0", "error: u = inf is not finite"),
         ("trajectory u=0.1 v=0 --phase 0.5", "Unknown option"),
+        ("diagram d=0:1:3 --offset 0.5", "A parameter that has no option is given as offset=VALUE."),
+        ("diagram d=0:1:3 --bins 4", "Unknown option: --bins. 'grazing diagram --help'"),
         ("trajectory u=0.1 v=0 phase=0.5", "a trajectory has no section; leave it out"),
         ("trajectory u=0.1 v=0 --map impact", "Unknown option"),
         ("trajectory u=0.1 v=0 -o a.zarr", "allowed are png, pdf, svg, nc, csv"),
@@ -261,7 +263,8 @@ def test_each_error_says_what_to_do(line, said, capsys):
 def test_an_option_is_like_another_without_its_dashes(option, near, capsys):
     """The dashes, equal in all, made --r the one that --N was most like."""
     said = refused(capsys, "diagram", "d=0.1:0.2:3", option, "3")
-    assert said.startswith(f"error: Unknown option: {option}.{f' Did you mean {near}?' if near else ''} 'grazing")
+    meant = f"Did you mean {near}?" if near else f"A parameter that has no option is given as {option[2:]}=VALUE."
+    assert said.startswith(f"error: Unknown option: {option}. {'' if option == '--N' else f'{meant} '}'grazing")
 
 
 def test_a_stiffness_that_is_no_number_is_not_unknown(capsys):

@@ -312,3 +312,8 @@ def test_a_search_names_orbits_that_differ_from_the_word_by_the_strobe_alone():
     assert "another one first after the strobe: (BA)" in none.statement
     rest = gz.periodic_orbits(P, word="(CA)", starts=30, threads=1)
     assert rest.searched.turned == ()
+
+
+def test_orbits_far_beyond_their_box_are_listed_without_a_warning():
+    found = gz.periodic_orbits(gz.gap_map(lam=1e-300, mu=1e300, l=0.0), word="LR", virtual=True)
+    assert [orbit.word for orbit in found] == ["LR"]

@@ -309,8 +309,19 @@ def _reworded(error: CycloptsError) -> str:
         if said := "" if near else called_here(word, options):
             return f"Unknown option: {given}. Here that is {said}; a rig with a {word} is given by --si."
         near = near or get_close_matches(word[:200], options, n=1)  # without the dashes, in which all are alike
-        return f"Unknown option: {given}.{f' Did you mean {options[near[0]]}?' if near else ''}"
+        hint = f" Did you mean {options[near[0]]}?" if near else _as_parameter(word, error)
+        return f"Unknown option: {given}.{hint}"
     return str(error)
+
+
+def _as_parameter(word: str, error: CycloptsError) -> str:
+    """Say how a parameter is given that has no option, where an unknown one may be meant for that."""
+    from grazing.config.settings import SETTINGS  # where a study is asked for, it is imported already
+
+    if (error.command_chain or ("",))[0] not in studies() or word.replace("-", "_") in SETTINGS:
+        return ""
+    named = word.isascii() and word.replace(".", "").isidentifier()
+    return f" A parameter that has no option is given as {word}=VALUE." if named else ""
 
 
 def _fail(message: str, code: int, kind: str = "error") -> int:

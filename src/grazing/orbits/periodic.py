@@ -284,5 +284,6 @@ def _checked_periods(finder: Finder, period: Any, letters: Sequence[int] | None)
 def _order(orbit: Orbit) -> tuple[Any, ...]:
     """Return what orbits are sorted by: period, word, admissible ones first, points."""
     letters = letters_of(orbit.word, orbit.map.letters)
-    points = orbit.points / [high - low for low, high in orbit.map.box]
-    return orbit.period, letters, not orbit.admissible, tuple(np.round(points, 9).ravel())
+    with np.errstate(over="ignore"):  # a virtual orbit may lie far beyond the box
+        points = orbit.points / [high - low for low, high in orbit.map.box]
+    return orbit.period, letters, not orbit.admissible, tuple(round(x, 9) for x in points.ravel().tolist())
