@@ -166,11 +166,9 @@ def test_without_a_derivative_there_is_no_exponent(d):
 def allowed_words(lam, mu, l):
     """The words of all orbits that attract at these parameters: Proposition 3.1, and L for mu < 0."""
     words = {"L"} if mu < 0 else set()
-    for N in range(1, 40):
-        w = theory.window(N, lam, l).stability
-        if not w.empty and w.low < mu < w.high:
-            words.add("L" * (N - 1) + "R")
-    return words
+    N = np.arange(1, 40)
+    stable = (theory.mu_pd(N, lam, l) < mu) & (mu < theory.mu_bc(N, lam, l))
+    return words | {"L" * (n - 1) + "R" for n in N[stable]}
 
 
 GRIDS = [
