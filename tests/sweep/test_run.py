@@ -157,7 +157,10 @@ def test_chunks_of_nothing_but_zeros_have_files(tmp_path):
             {"P": gz.gap_map(lam=0.6, mu=0.1, l=0.1), "keep": 6},
             r"keep is 4 there and 6 here; params.lam is 0.5 there and",
         ),
-        ({"P": own_map(), "name": "a"}, "letters is 'L' here only; map is 'gap map' there and 'logistic' here; params.a"),
+        (
+            {"P": own_map(), "name": "a"},
+            "letters is 'L' here only; map is 'gap map' there and 'logistic' here; params.a",
+        ),
     ],
 )
 def test_another_sweep_is_refused_by_what_differs(tmp_path, changed, said):
