@@ -15,6 +15,11 @@ def kept():
     return True
 
 
+@pytest.fixture
+def motion():
+    return "reduce"
+
+
 @pytest.fixture(scope="module")
 def tour(browser, address):
     page = browser.new_page()
@@ -138,7 +143,7 @@ ENDS = """() => [...document.querySelectorAll('.view canvas')].filter(c => c.off
 
 
 def test_every_question_is_answered_by_a_picture(shown, address, tour):
-    small = "columns=20&bins=20&flow_starts=2&flow_transient=60&flow_keep=40"
+    small = "columns=20&bins=20&flow_starts=2&flow_transient=60&flow_keep=40&chart_columns=12&chart_rows=10"
     shown.open(f"{address}#version=2&view=ball&offset=0.13&{small}")
     shown.page.click("#tour")
     shown.page.evaluate(

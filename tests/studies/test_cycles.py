@@ -284,14 +284,17 @@ def test_the_settler_gives_the_period_of_the_cycle_that_is_approached(beyond):
     starts = theory.maximal_orbit(N, lam, mu, l)[0] + np.array([[1e-6, -1e-6, 3e-4]])
     points, letters, outcomes = G.run(starts.copy(), 0, 60)
     period, doubtful, sizes = np.empty((1, 3), np.int32), np.empty((1, 3), np.int32), np.empty((2, 1, 1, 3))
-    call(compiled_recurrence(), points[None], letters[None], outcomes[None], 1e-9, np.ones(1), period, doubtful, *sizes)
+    found = np.ascontiguousarray(points[None]), np.ascontiguousarray(letters[None], np.int64)
+    call(
+        compiled_recurrence(), *found, np.ascontiguousarray(outcomes[None]), 1e-9, np.ones(1), period, doubtful, *sizes
+    )
     extent = np.ptp(points[:, 0], axis=0)
     assert np.allclose(sizes[0, 0, 0], extent, rtol=1e-15)
     assert np.allclose(sizes[1, 0, 0], 1e-9 * extent + 1e-13 * np.abs(points[:, 0]).max(axis=0), rtol=1e-15)
     derived, which = G.derivative(G.packed()[1][None]), np.argwhere(doubtful)
     entry = settler(derived.tangent, derived.prepare, derived.kind, 1)
-    which = np.column_stack([which, which[:, 0], doubtful[doubtful > 0]])
-    call(entry, derived.rows, points[None], letters[None], *sizes, which, period)
+    which = np.ascontiguousarray(np.column_stack([which, which[:, 0], doubtful[doubtful > 0]]))  # one kernel for all
+    call(entry, derived.rows, *found, *sizes, which, period)
     assert period[0].tolist() == twin.classified(G, points, letters, outcomes[0])[0]
     assert period[0, 0] == period[0, 1] == N
 
