@@ -1,6 +1,6 @@
 """First contacts with flippers that turn: grazes that are built, a dense search, ball arithmetic, closed forms."""
 
-from math import cos, sin
+from math import cos, pi, sin
 
 import numpy as np
 import pytest
@@ -8,7 +8,9 @@ import pytest
 import grazing as gz
 from grazing.billiard import check
 from grazing.billiard.exact import exact_contact
+from grazing.billiard.flippers import AT_TIP, LONG, row_of
 from grazing.billiard.flown import FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
+from grazing.billiard.turning import clear_of, foot_at, look
 from grazing.outcome import AMBIGUOUS, INSIDE_WALL
 from tests.billiard.flippers import KINDS, grazing, least_gap, pair
 from tests.billiard.tables import ELASTIC
@@ -50,6 +52,34 @@ def test_no_built_graze_of_a_flipper_is_missed_and_none_is_seen_that_is_not():
 def test_no_graze_of_a_flipper_of_twenty_thousand_is_missed():
     missed, false, left, _exactly = count_grazes(20_000, 1)
     assert (missed, false, left) == (0, 0, 0)
+
+
+def test_a_surface_of_a_flipper_that_is_clear_is_not_touched(count=250):
+    """Against places along the flight: it crosses no side between its ends, and stays out of the tip."""
+    random, clear = np.random.default_rng(6), np.zeros(3, int)
+    for _ in range(count):
+        hub, tip = random.uniform(0.05, 0.4, 2)
+        row = row_of({"x": 0.0, "y": 0.0, "length": 1.0, "hub": hub, "tip": tip}, 0.1, 0.0, 0.0, 0.0)
+        turn, start, end = random.uniform(0.0, 2.0 * pi), 0.05, 0.05 + random.choice([0.01, 0.05, 0.2, 0.5])
+        piece = -0.01, cos(turn), sin(turn), random.choice([0.0, -14.0, 5.0])
+        dx, dy, vx, vy = random.normal(size=4) * random.choice([0.5, 1.0, 3.0])
+        g = float(random.choice([0.0, 1.0, 60.0]))
+        if g > 1.0:  # it rises and falls meanwhile
+            vy = 0.5 * g * (start + end)
+        flight = dx, dy - vy * start, vx, vy, g, dx, dy - vy * start
+        for kind, sure in enumerate(clear_of(start, end, flight, row, piece[0], piece)):
+            if not sure:
+                continue
+            clear[kind] += 1
+            times = np.linspace(start, end, 60)
+            h = np.array([look(t, flight, kind, row, piece[0], piece)[0][0] for t in times])
+            foot = np.array([foot_at(t, flight, kind, row, piece[0], piece)[0] for t in times])
+            if kind == AT_TIP:
+                assert h.min() > 0.0
+                continue
+            on = (foot >= 0.0) & (foot <= row[LONG])
+            assert not (on[1:] & on[:-1] & (h[1:] * h[:-1] <= 0.0)).any()
+    assert (clear > 0.2 * count).all() and (clear < 0.8 * count).all()
 
 
 @pytest.mark.parametrize("rho", [0.05, 0.15])

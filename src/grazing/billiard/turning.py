@@ -40,6 +40,8 @@ INFINITY = float("inf")
 ON, RIDES, OFF = 0.5, 0.75, 0.25
 #: Pieces of a flipper's motion that are looked at in one flight, after which it ends by name.
 MOST = 1_000_000
+#: A share of all sizes by which a ball is clear of a flipper, far more than rounding; most that may turn meanwhile.
+CLEAR, QUARTER = 2.0**-40, 1.5
 #: Times that the end of what a bound has to hold for is brought forward, to twice the step that it allows.
 NARROWED = 3
 
@@ -291,6 +293,32 @@ def comes_near(t: float, flight: Any, row: Any, end: float) -> Any:
     return t + safe_step(h - e, dh - d, k) * (1.0 - GAP * EPS)
 
 
+@inlined
+def clear_of(t: float, end: float, flight: Any, row: Any, begin: float, piece: Any) -> Any:
+    """Return for each surface of a flipper whether a ball surely does not come to it from t to ``end``, in one piece.
+
+    It stays on one side of all that the flipper sweeps, or of its axis, or nearer to the pivot than the tip is: its
+    parabola leaves its chord by g (end - t)^2/8 at most.
+    """
+    dx, dy, vx, vy, g, _x, _y = flight
+    omega, w, tip = piece[OMEGA], end - t, row[TIP]
+    if not (end < INFINITY and abs(omega) * w <= QUARTER):
+        return False, False, False
+    ax, ay, _turned = direction_at(t, begin, piece)
+    bx, by, turned = direction_at(end, begin, piece)
+    px, py, qx, qy = dx + vx * t, dy + (vy - 0.5 * g * t) * t, dx + vx * end, dy + (vy - 0.5 * g * end) * end
+    far = abs(dx) + abs(dy) + (abs(vx) + abs(vy) + g * end) * end
+    slack = 0.125 * g * w * w + CLEAR * (1.0 + turned) * (far + row[REACH])
+    # of the leftmost direction and the rightmost one: how far left, or right, the ball stays
+    lx, ly = (bx, by) if omega > 0.0 else (ax, ay)
+    rx, ry = (ax, ay) if omega > 0.0 else (bx, by)
+    left = min(lx * py - ly * px, lx * qy - ly * qx) - slack
+    right = min(ry * px - rx * py, ry * qx - rx * qy) - slack
+    clear, short = max(left, right) > max(row[SIZE], tip), row[ARM] - tip - slack
+    within = short > 0.0 and max(px * px + py * py, qx * qx + qy * qy) < short * short
+    return clear or right > 0.0, clear or left > 0.0, within or max(left, right) > tip
+
+
 def of_flipper(
     x: float, y: float, vx: float, vy: float, g: float, last: int, off: float, clock: float, row: Any, pieces: Any,
     end: float,
@@ -313,8 +341,10 @@ def of_flipper(
         number, turns = piece_at(t, phase, row, pieces)
         piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
         until = min(begin_of(number + 1, turns, phase, row, pieces), end)
-        kind, first, slack = -1, INFINITY, 0.0
+        kind, first, slack, clear = -1, INFINITY, 0.0, clear_of(t, until, flight, row, begin, piece)
         for i in range(KINDS):
+            if clear[i]:
+                continue
             begins, slips = t, off > 0.0 and t == 0.0
             slips = slips and ((over and i == AT_TIP) or beside(flight, i, last == i, row, begin, piece))
             if slips and piece[OMEGA] != 0.0 and off == OFF:
