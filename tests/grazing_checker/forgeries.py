@@ -749,6 +749,27 @@ def orthogonal(rng, data, _others):
             data[name] = [text] * len(data[name]) if isinstance(data[name], list) else text
 
 
+def anywhere(rng, data, others):
+    """Other parameters and another word, and a zero of its equations from anywhere: an orbit of the map, or none."""
+    letters = ["R", *rng.choices("LLR", k=rng.randrange(8))]
+    rng.shuffle(letters)
+    data["word"] = "".join(letters)
+    for name in {"lam", "mu", "l"} & set(data):
+        data[name] = rng.uniform(-1.0, 1.0).hex()
+    if "edge" in data:
+        data["edge"] = rng.choice(("gr", "bc", "pd", "lp"))
+        wanted = {"gr": "R", "bc": "L"}.get(data["edge"])
+        data["at"] = rng.choice([j for j, letter in enumerate(letters, start=1) if letter == wanted] or [0])
+    k = letters.count("R")
+    data["centre"] = [text_of(double(rng.uniform(0.01, 1.0))) for _ in range(k + ("edge" in data))]
+    data["claims"]["roots"] = [["0", "0"] for _ in range(k)]
+    data["radius"], data["unique"] = "0x1p-90", f"0x1p-{rng.choice((4, 10, 30))}"
+    with precision(256):
+        for _ in range(4):
+            newton(data)
+    fitting_matrix(rng, data, others)
+
+
 # What he does to walls
 
 
@@ -1002,8 +1023,8 @@ WAYS = {
         dip_elsewhere,
         dip_elsewhere,
     ),
-    "gap map orbit": (*SOLVED, word, again),
-    "gap map edge": (*SOLVED, word, edge, again),
+    "gap map orbit": (*SOLVED, word, again, anywhere),
+    "gap map edge": (*SOLVED, word, edge, again, anywhere),
     "gap map without attracting orbits": (*COMMON, turns, turns, interval),
 }
 
