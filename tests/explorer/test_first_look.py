@@ -140,3 +140,58 @@ def test_between_walls_velocities_have_true_minus_signs(shown, address):
     shown.until("() => document.getElementById('summary').textContent.includes('Hits at')")
     said = next(line for line in shown.page.inner_text("#summary").splitlines() if line.startswith("Hits at"))
     assert "leaves with −" in said and "-" not in said
+
+
+@pytest.mark.parametrize("motion", ["no-preference"])
+@pytest.mark.parametrize("way", ["gap", "oscillator", "link", "room", "failed"])
+def test_a_ball_whose_button_says_pause_runs(shown, address, way):
+    shown.open(f"{address}#version=2&view=ball&columns=40")
+    page, now = shown.page, "explorer.views.ball.now"
+    if way == "link":
+        shown.open(f"{address}#version=2&view=edges")
+        page.go_back()
+    elif way == "failed":  # a state that cannot be shown, and back
+        page.evaluate("() => { location.hash = '#version=2&view=ball&columns=40&ball=-3:0:0'; }")
+        shown.until("() => document.getElementById('main').classList.contains('failed')")
+        page.evaluate("() => { location.hash = '#version=2&view=ball&columns=40&offset=0.12'; }")
+        shown.until("() => !document.getElementById('main').classList.contains('failed')")
+    else:
+        page.click(f"[data-view={'gap' if way == 'room' else way}]")
+        shown.until("() => explorer.state().view !== 'ball'")
+        if way == "room":
+            page.keyboard.press("p")
+            page.click("#more")
+        page.click("[data-view=ball]")
+    shown.until("() => explorer.state().view === 'ball'")
+    assert page.inner_text("#play") == "Pause"
+    page.evaluate(f"() => {{ globalThis.then = {now}; }}")
+    shown.until(f"() => {now} > globalThis.then + 0.1")
+
+
+@pytest.mark.parametrize("motion", ["no-preference"])
+def test_keys_of_the_hint_need_no_picture_to_be_chosen(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=40")
+    page = shown.page
+    page.keyboard.press(" ")
+    assert page.inner_text("#play") == "Play" and page.evaluate("() => scrollY") == 0
+    impacts = page.evaluate("() => explorer.views.ball.impacts")
+    page.keyboard.press("s")
+    assert page.evaluate("() => explorer.views.ball.impacts") == impacts + 1
+    for button in ("#play", "#twin"):  # a mouse presses it, and the key is still the ball's
+        page.click(button)
+        said = page.inner_text("#play")
+        page.keyboard.press(" ")
+        assert page.inner_text("#play") != said
+        assert page.get_attribute("#twin", "aria-pressed") == str(button == "#twin").lower()
+    page.focus("#twin")
+    page.keyboard.press(" ")  # who goes by keys alone presses it
+    assert page.get_attribute("#twin", "aria-pressed") == "false"
+    page.focus(".control[data-name=V] input[type=range]")
+    said = page.inner_text("#play")
+    page.keyboard.press(" ")
+    assert page.inner_text("#play") != said
+    page.evaluate("() => document.activeElement.blur()")
+    page.keyboard.press("ArrowUp")
+    assert page.evaluate("() => Boolean(explorer.views.ball.sling.aim)")
+    page.click("#twin")  # a ball that is held is let go of: it would stand still, and nothing say why
+    assert not page.evaluate("() => Boolean(explorer.views.ball.sling.aim)")

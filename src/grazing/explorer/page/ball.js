@@ -85,6 +85,7 @@ export class BallView {
     this.speed = 1;
     this.sling = new Sling(this);
     for (const canvas of [this.strip.axes.canvas, this.canvas]) canvas.addEventListener("keydown", (event) => {
+      if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (event.key === " ") this.play(!this.playing);
       else if (event.key === "s" || event.key === "S") this.step();
       else return;
@@ -315,7 +316,12 @@ export class BallView {
     /** @type {HTMLElement} */ (document.getElementById("play")).textContent = on ? "Pause" : "Play";
     this.last = undefined;
     if (!on) this.record();
-    if (on && !this.frame && !this.#hidden) this.frame = requestAnimationFrame(this.#tick);
+    if (on) this.#run();
+  }
+
+  /** A ball whose button says Pause goes on wherever it is drawn: a view that was away has lost its frames. */
+  #run() {
+    if (this.playing && !this.frame && !this.#hidden) this.frame = requestAnimationFrame(this.#tick);
   }
 
   get #hidden() {
@@ -328,7 +334,6 @@ export class BallView {
     if (this.last !== undefined && !this.sling.aim) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
     this.last = at;
     this.draw();
-    if (this.playing) this.frame = requestAnimationFrame(this.#tick);
   };
 
   /** Stop, and move on to just after the next impact, or by a period if there is none in twenty. */
@@ -357,13 +362,14 @@ export class BallView {
   draw() {
     const { axes, state, past } = this;
     if (!this.attractor || !this.flight) return;
+    this.#run();
     const colour = periodColour(past.heard(this.classes)?.period ?? 0), { twin } = this.company, { aim } = this.sling;
     const endless = [...past.letters.values()].some(chattered); // completed chatter has impacts without end
     const time = `t = ${(this.begun[2] + this.now).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
     const [shift] = moved(state, this.begun[2] + this.now);
     portrait(axes, { low: state.sigma + shift, high: ceiling(state) + shift, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
     this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], walls: state, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim });
-    this.canvas.dataset.stage = "done";
+    this.canvas.dataset.stage = this.strip.axes.canvas.dataset.stage = "done";
   }
 
   /** The ball's own points at the section, and the parameter: where it went when that was turned. @param {Axes} axes @param {import("./svg.js").Pen} c */

@@ -18,7 +18,7 @@ import { PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
 import { CHOICES, DEFAULTS, PINNABLE, VARIED, adopt, allowed, fromFragment, mended, narrowest, opening, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
-import { stage } from "./stage.js";
+import { isTyped, stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
 import { still } from "./walls.js";
@@ -323,6 +323,15 @@ function build() {
   const again = () => (failed ? refresh() : page.repaint());
   stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
+  // a button that a mouse has pressed leaves the keys to the picture; so does what has no use for a key
+  addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
+  addEventListener("keydown", (event) => {
+    const target = /** @type {HTMLElement} */ (event.target), picture = /** @type {HTMLElement | null} */ (document.querySelector(".view:not([hidden]) .first canvas")), { key, shiftKey } = event, free = target === document.body;
+    if (!picture || event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
+    if (picture.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, cancelable: true }))) return;
+    event.preventDefault();
+    if (free) picture.focus({ preventScroll: true });
+  }, true);
   const sizes = new ResizeObserver(again);
   for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }

@@ -27,6 +27,7 @@ export class Sling {
       canvas.addEventListener("pointerup", (event) => canvas.hasPointerCapture(event.pointerId) && this.let());
       canvas.addEventListener("pointercancel", () => this.#stop());
       canvas.addEventListener("keydown", (event) => this.#key(event));
+      canvas.addEventListener("blur", () => this.#stop()); // no ball hangs in the air while the hand is elsewhere
       // a finger that takes the ball does not scroll the page
       canvas.addEventListener("touchstart", (event) => event.touches.length === 1 && this.#grips(event.touches[0], axes) && event.preventDefault(), { passive: false });
     }

@@ -4,7 +4,7 @@
 const byId = (/** @type {string} */ id) => /** @type {HTMLElement} */ (document.getElementById(id));
 
 /** What a key is typed into, and not said to the page. @param {EventTarget | null} target */
-const isTyped = (target) => target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && /** @type {HTMLInputElement} */ (target).type !== "range";
+export const isTyped = (target) => target instanceof HTMLElement && /^(INPUT|SELECT|TEXTAREA)$/.test(target.tagName) && /** @type {HTMLInputElement} */ (target).type !== "range";
 
 /** The keys of a presenter's remote control, and the buttons of the tour that they press. */
 const TURNS = /** @type {Record<string, string>} */ ({ PageDown: "next", PageUp: "back" });
