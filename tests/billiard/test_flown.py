@@ -178,3 +178,9 @@ def test_it_ends_at_the_tip_of_a_flipper_on_which_it_slid_there():
     assert found.outcome == "bounces too small to tell apart"
     np.testing.assert_allclose(np.hypot(found.x[-1], found.y[-1]), np.hypot(2.0, 0.2))
     np.testing.assert_allclose(found.y[-1], 0.2 * np.cos(angle) - 2.0 * np.sin(angle), atol=1e-12)
+
+
+def test_a_flight_as_long_as_numbers_reach_is_sampled_without_a_warning():
+    table = gz.table([gz.segment("floor", (-1.0, 0.0), (1.0, 0.0), gz.newton(0.5))], g=1.0, tilt=0.3)
+    flown = gz.trajectory(table, (0.0, 1.0, 0.0, 0.0), until=1e308, samples=100)
+    assert np.isfinite(flown["y"]).all() and flown["t"].values[-1] == 1e308

@@ -272,7 +272,8 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     if int(flights[-1, FLAGS]) & FATAL & ~NO_IMPACT and flights[-1, OWNER] < 0.0 and flights[-1, PATH] < 0.0:
         flights[-1, TIME] = 0.0  # a flight without an end
     ends = np.minimum(begins + flights[:, TIME], until)
-    each = [max(2, ceil(samples * (to - begin) / (until - start)) + 1) for begin, to in zip(begins, ends, strict=True)]
+    shares = (ends - begins) / (until - start)
+    each = [max(2, ceil(samples * share) + 1) for share in shares]
     refuse_too_large(8 * 8 * sum(each), "choose an earlier end or fewer samples", "the trajectory")
     number = np.repeat(np.arange(len(flights)), each)
     t = np.concatenate([np.linspace(*of) for of in zip(begins, ends, each, strict=True)])
