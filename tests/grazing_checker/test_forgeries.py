@@ -2,7 +2,9 @@
 
 import json
 from collections import Counter
+from copy import deepcopy
 from importlib.resources import files
+from math import ldexp
 
 import pytest
 from hypothesis import given
@@ -12,9 +14,9 @@ from mpmath import mp, mpf
 
 from grazing_checker import Rejected, check
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, TABLE_NAMES, TABLE_VALUE_NAMES, bases
-from tests.grazing_checker.documents import NAMES
+from tests.grazing_checker.documents import NAMES, documents
 from tests.grazing_checker.forgeries import elsewhere, forgeries
-from tests.grazing_checker.truth import is_true
+from tests.grazing_checker.truth import is_true, rig_of
 from tests.grazing_checker.truth_walls import entries_of, exponential
 
 WHOLE = Draft202012Validator(json.loads((files("grazing_checker") / "schema.json").read_text()))
@@ -88,6 +90,29 @@ def test_no_forgery_of_very_many_is_accepted_that_is_false(kind):
 def test_there_are_500_and_10000():
     assert sum(SHORT.values()) >= 500 and min(SHORT.values()) >= 30
     assert sum(LONG.values()) >= 10_000 and min(LONG.values()) >= 500
+
+
+#: What numbers of a model are in units of length and of time, as powers.
+UNITS = {"alpha": (0, -1), "k": (0, -1), "omega": (0, -1), "t0": (0, 1), "offset": (1, -2), "sigma": (1, 0)}
+
+
+@pytest.mark.parametrize("length, time", [(0, 14), (20, -14)])
+def test_truth_is_told_in_any_unit(length, time):
+    """Differences of 1e-15 and flights shorter than 1000, whatever the unit, called right certificates false."""
+    data = documents()["rattle"]["data"]
+    other, n = deepcopy(data), len(data["impacts"])
+
+    def scaled(text, powers):
+        return ldexp(float.fromhex(text), powers[0] * length + powers[1] * time).hex()
+
+    for part, amplitude in ((other["model"], (1, -2)), *((wall, (1, 0)) for wall in other["walls"])):
+        part |= {name: scaled(part[name], powers) for name, powers in UNITS.items() if name in part}
+        part |= {name: [scaled(text, amplitude) for text in part[name]] for name in ("cos", "sin")}
+    with mp.workdps(36):
+        x = [sum(map(mpf, one)) / 2 for one in data["claims"]["box"]]
+        there = [mp.ldexp(one, time if i < n else length - time) for i, one in enumerate(x)]
+        for one, two in zip(rig_of(data).trace_and_det(x), rig_of(other).trace_and_det(there), strict=True):
+            assert abs(one - two) < mpf(10) ** -18 * abs(one)
 
 
 @given(st.lists(st.floats(-100.0, 100.0), min_size=25, max_size=25), st.floats(0.0, 1.3))

@@ -276,7 +276,7 @@ class Rig:
             starts = [(x[i], mpf(0), x[n + i], ends[i] - x[i]) for i in range(n)]
         made = []
         for t, y, w, L in starts:
-            hold(0 < L < 1000, "the impacts are not in the order of time")
+            hold(0 < L < 2 * self.turn, "the impacts are not in the order of time")
             E, z = self.flow(L), self.state(t, y, w)
             made.append((z, L, E, E * z))
         return made

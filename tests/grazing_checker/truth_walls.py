@@ -117,7 +117,7 @@ class WalledRig:
         ends, made = [*x[1:n], x[0] + self.turn], []
         for i in range(n):
             L, z = ends[i] - x[i], self.leaving(self.hits[i], x[i], mpf(0), x[n + i])
-            self.hold(0 < L < 1000, "the impacts are not in the order of time")
+            self.hold(0 < L < 2 * self.turn, "the impacts are not in the order of time")
             made.append((self.hits[i], self.hits[(i + 1) % n], z, L, self.flow(L) * z))
         return made
 
@@ -148,10 +148,10 @@ class WalledRig:
                 y, v = self.seen(two, self.flow(end - t) * self.leaving(one, t, mpf(0), w))
                 return mp.matrix([y, self.law_of(two, v)])
 
-            slopes = []
-            for c in range(3):
-                ahead, behind = ([a + d * (k == c) for k, a in enumerate(at)] for d in (TINY, -TINY))
-                slopes.append((leg(*ahead) - leg(*behind)) / (2 * TINY))
+            slopes, speed = [], abs(at[1]) + abs(self.seen(two, self.flights(x)[i][4])[1])
+            for c, d in enumerate((TINY * self.turn, TINY * speed, TINY * self.turn)):
+                ahead, behind = ([a + e * (k == c) for k, a in enumerate(at)] for e in (d, -d))
+                slopes.append((leg(*ahead) - leg(*behind)) / (2 * d))
             by_t, by_w, by_end = slopes
             lates = [-by_t[0] / by_end[0], -by_w[0] / by_end[0]]
             rows = [lates, [by_t[1] + by_end[1] * lates[0], by_w[1] + by_end[1] * lates[1]]]
