@@ -1,6 +1,5 @@
 """The pinball table in a browser's machine code: the same hits as Python, in the same order, to the last bit."""
 
-import json
 from itertools import pairwise
 
 import numpy as np
@@ -11,8 +10,7 @@ from grazing.billiard.flown import AFTER, COLUMNS, FLAGS, NEXT, OWNER, PATH, SUR
 from grazing.billiard.objects import DRAIN, FLIPPER
 from grazing.billiard.players import pieces_of
 from grazing.config.tables import read_table
-from grazing.explorer.build import FOLDER, TABLES
-from grazing.explorer.table import BALL, HITS, MOTION, described_table
+from grazing.explorer.table import BALL, HITS, MOTION, described_table, described_tables
 from grazing.outcome import AMBIGUOUS, ESCAPED, FATAL
 
 ROOM = 400  # pieces of a flipper
@@ -75,7 +73,7 @@ class Played:
 
 @pytest.fixture(scope="module")
 def tables():
-    return json.loads((FOLDER / TABLES).read_text(encoding="utf-8"))
+    return described_tables()
 
 
 @pytest.fixture

@@ -8,6 +8,7 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.distance import distance
+from grazing.explorer.table import described_tables
 from tests.explorer.browser import COARSE
 from tests.explorer.test_page import AXE
 
@@ -278,6 +279,16 @@ def test_a_slider_changes_the_bumpers(shown, address):
     page.keyboard.press("End")
     T = gz.read_table("classic").replace(tilt=0.25)
     assert page.evaluate(f"() => {GAME}.block[{GAME}.layout.GRAVITY]") == T.gravity
+
+
+def test_tables_are_what_python_has_though_they_are_sent_in_fewer_letters(shown, address):
+    page = opened(shown, address)
+    made = page.evaluate(
+        "async () => { const { unpacked } = await import('./played.js'), { tables } ="
+        " await (await fetch('../kernels/tables.json')).json();"
+        " return Object.fromEntries(Object.entries(tables).map(([name, one]) => [name, unpacked(one)])); }"
+    )
+    assert made == described_tables()["tables"]
 
 
 @pytest.mark.parametrize("name", ["Galton board", "Three discs", "One bumper"])

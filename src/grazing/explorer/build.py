@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import itertools
 import json
 import math
 import os
@@ -185,8 +186,30 @@ def stale() -> list[str]:
 
 
 def tables_text() -> str:
-    """Return the tables that ship as text for the page, which takes 2 for 2.0."""
-    return json.dumps(_whole(described_tables()), separators=(",", ":"), sort_keys=True) + "\n"
+    """Return the tables that ship as text for the page, which takes 2 for 2.0, and fills in what is left out here."""
+    found = described_tables()
+    for table in found["tables"].values():
+        table |= {"block": _in_runs(table["block"]), "params": _around(table["params"], table["objects"])}
+    return json.dumps(_whole(found), separators=(",", ":")) + "\n"
+
+
+def _in_runs(block: list[float]) -> list[float | list[float]]:
+    """Return the numbers of a block, with how many zeros there are, as a list of one, for each run of three or more."""
+    found: list[float | list[float]] = []
+    for zero, run in itertools.groupby(block, lambda value: value == 0.0):
+        many = list(run)
+        found += [[float(len(many))]] if zero and len(many) > 2 else many
+    return found
+
+
+def _around(names: list[str], objects: list[dict[str, Any]]) -> list[list[str]]:
+    """Return the names of parameters before and after those of the objects, which follow from these."""
+    law = [[] if one["law"] is None else one["law"]["params"] for one in objects]
+    own = [f"{one['name']}.{each}" for one, more in zip(objects, law, strict=True) for each in [*one["shape"], *more]]
+    first = names.index(own[0])
+    if names[first : first + len(own)] != own:
+        raise AssertionError("the parameters of a table are no longer in the order of its objects")
+    return [names[:first], names[first + len(own) :]]
 
 
 def _whole(value: Any) -> Any:

@@ -6,7 +6,7 @@
 /** @typedef {Record<string, number>} Shape */
 /** @typedef {{name: string, kind: "disc" | "segment" | "arc" | "flipper" | "drain", shape: Shape, law: {name: string, params: string[]} | null}} Thing */
 /**
- * A table as tables.json has it.
+ * A table as the page has it.
  * @typedef {{
  *   objects: Thing[], rho: number, box: [number, number, number, number], block: number[], params: string[], row: number, values: number[],
  *   launch: [number, number, number], speeds: [number, number], from: [number, number, number], mm: number,
@@ -17,6 +17,16 @@
 /** @typedef {{t: number, state: State}} Nudge when the table was nudged, and the ball just after that */
 
 /** Bits of outcomes, as kernels.json names them, that the page asks for. @typedef {{fatal: number, escaped: number, ambiguous: number}} Bits */
+
+/**
+ * A table in full: tables.json leaves out names that follow from the objects, and runs of zeros.
+ * @param {any} packed @returns {Table}
+ */
+export const unpacked = ({ block, params: [before, after], ...one }) => ({
+  ...one,
+  block: block.flatMap((/** @type {any} */ each) => (Array.isArray(each) ? Array(each[0]).fill(0) : each)),
+  params: [...before, ...one.objects.flatMap((/** @type {Thing} */ { name, shape, law }) => [...Object.keys(shape), ...(law?.params ?? [])].map((each) => `${name}.${each}`)), ...after],
+});
 
 /** Pieces of a flipper's motion that a game has room for, and flights of one look. */
 const ROOM = 600, CAPACITY = 64;

@@ -5,7 +5,7 @@ import { Edit, hasRoom } from "./edit.js";
 import { Exits } from "./exits.js";
 import { load } from "./load.js";
 import { missedBy } from "./near.js";
-import { Played } from "./played.js";
+import { Played, unpacked } from "./played.js";
 import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
@@ -350,6 +350,7 @@ async function start() {
     const [{ described, machines, pool }, answer] = await Promise.all([load({ problem: (text) => problem(text), again: () => exits && basins() }, ["table"]), fetch(addressOf("kernels/tables.json"))]);
     if (!answer.ok) throw new Error(`tables.json: ${answer.status} ${answer.statusText}`);
     ({ tables, layout } = await answer.json());
+    for (const name in tables) tables[name] = unpacked(tables[name]);
     const { outcomes, fatal } = /** @type {any} */ (described);
     bits = { fatal: fatal & ~outcomes.no_impact, escaped: outcomes.escaped, ambiguous: outcomes.ambiguous };
     machine = machines.table;
