@@ -179,12 +179,14 @@ def played_flights(
             checked_velocity(law, float(last[BEFORE]), law.params)
             raise UserCodeError(f"the reset law {law.name} returned {last[AFTER]:g} for v_minus = {last[BEFORE]:g}")
         if passed:
-            opened(int(last[OWNER]), int(last[SURFACE]), *last[LAST : LAST + 2], block)
+            x, y = last[LAST : LAST + 2].tolist()
+            opened(int(last[OWNER]), int(last[SURFACE]), x, y, block)
             passed = [side for side in passed if is_passed(side, block)]
         t = float(now[0] + last[TIME])
         if last[OWNER] >= gates and t <= until:
             through(last, t, now)
-            sides = [passed_at(i, int(last[SURFACE]), *last[LAST:NEXT], block) for i in range(int(block[FACES]))]
+            x, y, vx, vy = last[LAST:NEXT].tolist()
+            sides = [passed_at(i, int(last[SURFACE]), x, y, vx, vy, block) for i in range(int(block[FACES]))]
             passed += [side for side in sides if side >= 0]
             for gate in (element(side, t, block)[1] - gates for side in sides if side >= 0):
                 said = press_at(table, gate, t, last, pressed)

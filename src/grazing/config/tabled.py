@@ -69,7 +69,8 @@ def beside_table(config: dict[str, Any]) -> Problem | None:
         if kind != "stroboscopic":
             return Problem(("map",), f"map = {shown(kind)}; a {study.name} is of the table itself: leave it out")
         return None if study.tables else Problem(("table",), f"{study.name} is offered for oscillators only")
-    allowed = [usual_map(study.name)] if study is not None and study.tables_only else TABLE_MAPS
+    usual = usual_map(study.name) if study is not None and study.tables_only else None
+    allowed = TABLE_MAPS if usual is None else {usual: TABLE_MAPS[usual]}
     if kind not in allowed:
         return Problem(("map",), partial(unknown_key, kind, allowed, f"map = {shown(kind)}"))
     return None
