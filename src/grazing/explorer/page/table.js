@@ -10,7 +10,7 @@ import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
 import { stage } from "./stage.js";
-import { EXITS, TableDraw, kicks } from "./tabledraw.js";
+import { TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
 import { addressOf } from "./where.js";
 
@@ -24,6 +24,8 @@ const PULL = 1.2, FRAME = 0.05;
 const NUDGE = 0.1;
 /** Near balls, and the angle between two of them. */
 const MANY = 100, SMALL = 1e-7;
+/** The logarithm of the share of the table up to which distances are small: beyond it they grow no more. */
+const FAR = -2;
 /** Letters of the word that are shown; how near a miss is told, as a share of the radius of the disc, or else of the ball; seconds for which. */
 const WORD = 40, NEAR = 0.12, TOLD = 2.5;
 /** Columns of the curve of distances, in seconds of play. */
@@ -44,6 +46,8 @@ let rung = RUNGS[0], pulled = 0, pace = 1, paused = false, before = 0, told = 0,
 let replaying = null;
 /** @type {{t: number, spread: number}[]} */
 let parted = [];
+/** The first and the last of them while all balls were near, and whether they are no more. @type {{from: {t: number, spread: number}, to: {t: number, spread: number}} | null} */
+let near = null, far = false;
 /** @type {Map<number, string>} */
 let letters = new Map();
 /** @type {Exits} */
@@ -119,9 +123,9 @@ const basins = () => exits.show(game);
 /** Say how the launches part. */
 function shares() {
   if (!exits.shares || !exits.names) return;
-  const parts = [...exits.names, "stays or goes away"].map((name, i) => {
+  const parts = exits.names.map((name, i) => {
     const chip = document.createElement("i");
-    chip.style.setProperty("background", i < (exits.names?.length ?? 0) ? EXITS[i % EXITS.length] : theme().chaos);
+    chip.style.setProperty("background", exits.colour(i));
     const line = document.createElement("span");
     line.append(chip, `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`);
     return { line, share: exits.shares?.[i] ?? 0 };
@@ -136,6 +140,7 @@ function choose(name, changes = {}) {
   for (const button of document.querySelectorAll("#rungs button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
   $("headline").textContent = rung.headline;
   $("text").textContent = rung.text;
+  $("asked").textContent = rung.heights ? "How often a ball hits" : "Where a ball leaves";
   if (!machine) return;
   game = new Played(machine, layout, tables[rung.table], bits);
   for (const [key, value] of Object.entries(changes)) game.set(key, value);
@@ -147,12 +152,11 @@ function choose(name, changes = {}) {
   letters = new Map(kicked.slice(0, 26).map(({ j }, i) => [j, String.fromCharCode(65 + i)]));
   for (const button of document.querySelectorAll("[data-press]")) /** @type {HTMLButtonElement} */ (button).hidden = !game.flippers.length;
   drawing.clear();
-  parted = [];
+  forget();
   replaying = null;
-  exits.chosen = null;
   edit.turn(false);
   say("");
-  basins();
+  exits.begin(game, rung);
   draw();
 }
 
@@ -174,7 +178,7 @@ function launch(state) {
   if (edit.on) edit.turn(false);
   game.launch(state);
   drawing.clear();
-  parted = [];
+  forget();
   paused = false;
   if (!letters.size) $("word").textContent = "";
   say("");
@@ -208,8 +212,18 @@ function nudge(across, up) {
 function split() {
   if (!game.alive) plunge(0.8);
   game.fan(MANY, SMALL);
-  parted = [];
+  forget();
 }
+
+/** What was measured of near balls is over. */
+function forget() {
+  parted = [];
+  near = null;
+  far = false;
+}
+
+/** The logarithm of the size of the table. */
+const size = () => Math.log10(Math.max(game.table.box[1] - game.table.box[0], game.table.box[3] - game.table.box[2]));
 
 /** Do again what the player did. */
 function replay(start = game.start, presses = game.presses, nudges = game.nudges) {
@@ -249,7 +263,10 @@ function step(seconds) {
   heard(game.advance(until));
   drawing.follow(game);
   if (game.ghosts.length && (!parted.length || game.t - parted[parted.length - 1].t > 1 / 60)) {
-    parted.push({ t: game.t, spread: game.spread });
+    const now = { t: game.t, spread: game.spread / Math.LN10 };
+    parted.push(now);
+    far ||= now.spread > size() + FAR;
+    if (!far && Number.isFinite(now.spread)) near = { from: near?.from ?? now, to: now };
     parted = parted.filter(({ t }) => t > game.t - REMEMBERED);
   }
   if (game.end) over();
@@ -310,9 +327,9 @@ function said(factor) {
 /** The live curve of distances: on a logarithmic scale a straight line, as long as they are small. */
 function spread() {
   const c = curve.begin(), { accent, faint } = theme();
-  const logs = parted.filter(({ spread }) => Number.isFinite(spread)).map(({ t, spread }) => [t, spread / Math.LN10]);
-  const last = logs.at(-1)?.[0] ?? 1, size = Math.log10(Math.max(game.table.box[1] - game.table.box[0], game.table.box[3] - game.table.box[2]));
-  curve.span(Math.max(0, last - REMEMBERED), Math.max(last, 1), Math.log10(SMALL) - 1, Math.ceil(size));
+  const logs = parted.filter(({ spread }) => Number.isFinite(spread)).map(({ t, spread }) => [t, spread]);
+  const last = logs.at(-1)?.[0] ?? 1;
+  curve.span(Math.max(0, last - REMEMBERED), Math.max(last, 1), Math.log10(SMALL) - 1, Math.ceil(size()));
   curve.frame("t", "log₁₀ of the distance");
   if (!logs.length) {
     c.fillStyle = faint;
@@ -329,9 +346,8 @@ function spread() {
     logs.forEach(([t, log], i) => (i ? pen.lineTo(curve.x(t), curve.y(log)) : pen.moveTo(curve.x(t), curve.y(log))));
     pen.stroke();
   });
-  const ends = [logs[0], logs[logs.length - 1]], rate = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]);
-  const factor = 10 ** (ends[1][1] - ends[0][1]);
-  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${said(factor)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
+  const [time, grown] = near ? [near.to.t - near.from.t, near.to.spread - near.from.spread] : [0, 0];
+  $("parted").textContent = grown > 1 ? `In ${time.toFixed(1)} s distances grew ${said(10 ** grown)} times: tenfold every ${(time / grown).toFixed(2)} s${far ? ", as long as they were below a hundredth of the table" : ""}.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
 }
 
 async function start() {
@@ -355,10 +371,10 @@ async function start() {
     machine = machines.table;
     if (!machine || !pool) return;
     pool.see("table");
-    exits = new Exits($("exits"), pool, shares, (angle, speed) => {
-      const [x, y] = game.table.from;
+    exits = new Exits($("exits"), pool, shares, (state) => {
       replaying = null;
-      launch([x, y, speed * Math.cos(angle), speed * Math.sin(angle)]);
+      launch(state);
+      $("machine").scrollIntoView({ block: "nearest" }); // on a phone it is off the screen
     }, problem);
     edit = new Edit($("table"), { game: () => game, drawing, chose: edited, moved: () => (turn([], 0), draw()) });
   } catch (error) {
