@@ -269,9 +269,10 @@ def test_shares_of_exits_are_those_of_python(shown, address):
     np.testing.assert_allclose(shares[:-1], truth, atol=3e-3)  # what doubles cannot decide, Python decides exactly
 
 
-#: The colours in the picture of exits, and how often one differs from that on its right.
+#: How many colours fill the picture of exits, of those that are not a rarity.
 GRAIN = """() => {
-  const { axes } = pinball.exits(), { x, y, w, h } = axes.box, ratio = axes.canvas.width / axes.canvas.clientWidth * axes.zoom;
+  const { axes } = pinball.exits(), { x, y, w, h } = axes.box;
+  const ratio = axes.canvas.width / axes.canvas.clientWidth * axes.zoom;
   const [p, q] = [Math.floor(w * ratio), Math.floor(h * ratio)];
   const { data } = axes.canvas.getContext("2d").getImageData(Math.ceil(x * ratio), Math.ceil(y * ratio), p, q);
   const pixels = new Uint32Array(data.buffer), seen = new Map();

@@ -2,8 +2,8 @@
 /** The way down from the machine to the paper: each table, and what has been taken away. */
 
 /**
- * @typedef {{table: string, name: string, headline: string, text: string, sliders: string[], home?: number[], heights?: [number, number]}} Rung
- * sliders: names of parameters, those of several objects by the last part, as `*.V`; home: the launches that are shown first, from and to
+ * @typedef {{table: string, name: string, headline: string, text: string, sliders: string[], touch?: string, home?: number[], heights?: [number, number]}} Rung
+ * sliders: names of parameters, those of several objects by the last part, as `*.V`; touch: the text where there are no keys; home: the launches that are shown first, from and to
  * which angle, and speed; heights: where a speed changes nothing, and balls are launched from these
  */
 
@@ -12,13 +12,14 @@ export const RUNGS = [
   {
     table: "classic", name: "Pinball machine", sliders: ["*.V", "tilt"],
     headline: "Three bumpers kick the ball. Near a graze, a hair's breadth decides.",
-    text: "Hold Space to pull the plunger, let go to launch; ← and → are the flippers; ↑, A and D nudge. With thumbs: the halves of the table.",
+    text: "Hold Space to pull the plunger, let go to launch; ← and → are the flippers; ↑, A and D nudge. Thumbs: the halves of the table.",
+    touch: "Hold Launch to pull the plunger, let go to launch; the halves of the table are the flippers.",
     home: [0, 3.14, 2, 5],
   },
   {
     table: "galton", name: "Galton board", sliders: ["*.r", "tilt"],
     headline: "No bumper kicks, yet where the ball ends is decided by a hair.",
-    text: "Space drops a ball on the pins. Split it: the balls fall as a bell. Zoomed in a million times, the sand in the picture of launches has bands.",
+    text: "Launch drops a ball on the pins. Split it: the balls fall as a bell. Zoomed in a million times, the sand in the picture of launches has bands.",
   },
   {
     table: "three_discs", name: "Three discs", sliders: ["*.r"],

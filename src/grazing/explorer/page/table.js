@@ -12,7 +12,7 @@ import { Sound } from "./sound.js";
 import { stage } from "./stage.js";
 import { TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
-import { addressOf } from "./where.js";
+import { addressOf, reach } from "./where.js";
 
 /** @typedef {import("./played.js").State} State */
 /** @typedef {import("./played.js").Table} Table */
@@ -55,7 +55,7 @@ let exits;
 /** @type {Edit} */
 let edit;
 const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54, top: 30 });
-const still = matchMedia("(prefers-reduced-motion: reduce)");
+const still = matchMedia("(prefers-reduced-motion: reduce)"), touch = matchMedia("(hover: none)");
 
 /** @param {string} text */
 function problem(text) {
@@ -139,7 +139,7 @@ function choose(name, changes = {}) {
   rung = RUNGS.find((each) => each.table === name) ?? RUNGS[0];
   for (const button of document.querySelectorAll("#rungs button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
   $("headline").textContent = rung.headline;
-  $("text").textContent = rung.text;
+  $("text").textContent = (touch.matches && rung.touch) || rung.text;
   $("asked").textContent = rung.heights ? "How often a ball hits" : "Where a ball leaves";
   if (!machine) return;
   game = new Played(machine, layout, tables[rung.table], bits);
@@ -156,6 +156,7 @@ function choose(name, changes = {}) {
   replaying = null;
   edit.turn(false);
   say("");
+  $("word").textContent = "";
   exits.begin(game, rung);
   draw();
 }
@@ -300,7 +301,7 @@ function over() {
   const many = game.hits.length, hits = `${many} hit${many === 1 ? "" : "s"} in ${game.t.toFixed(2)} s`;
   const how = game.end === "away" ? "The ball is gone for good" : game.end === "stopped" ? "The ball came to rest, or doubles could not follow it further" : `The ball left through ${game.end.replaceAll("_", " ")}`;
   const unsure = game.unsure ? ` ${game.unsure} of them doubles could not decide for sure; Python does.` : "";
-  say(`${how}: ${hits}.${unsure} Space launches another.`);
+  say(`${how}: ${hits}.${unsure} ${touch.matches ? "Launch" : "Space"} sends another.`);
   replaying = null;
 }
 
@@ -314,6 +315,7 @@ function draw() {
   }
   if ($("said").classList.contains("near") && performance.now() - told > 1000 * TOLD) say("");
   $("pause").setAttribute("aria-pressed", String(paused));
+  $("table").classList.toggle("played", game.alive && !paused && game.flippers.length > 0);
   $("replay").disabled = !game.hits.length || game.changed;
   spread();
 }
@@ -335,7 +337,7 @@ function spread() {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball (G).", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText("Split the ball.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
@@ -360,6 +362,12 @@ async function start() {
   }
   const link = document.createElement("a");
   Object.assign(link, { href: "index.html", textContent: "The paper" });
+  link.addEventListener("click", (event) => {
+    // back to the view that was left
+    if (!document.referrer || new URL(".", document.referrer).href !== new URL(".", location.href).href || document.referrer.includes("table.html")) return;
+    event.preventDefault();
+    history.back();
+  });
   $("rungs").append(link);
   $("problem").lastElementChild.addEventListener("click", () => problem(""));
   try {
@@ -411,7 +419,7 @@ function listen() {
     else if (event.key === " " && !onButton) {
       if (!pulled && !event.repeat) pulled = performance.now();
       run();
-    } else if (event.key === "p" || event.key === "P") pause();
+    } else if (event.key === "k" || event.key === "K") pause();
     else if (event.key === "g" || event.key === "G") split();
     else return;
     event.preventDefault();
@@ -431,10 +439,13 @@ function listen() {
   }
   // thumbs on the table itself: the half that is touched
   const touched = /** @type {Map<number, number>} */ (new Map()), canvas = $("table");
+  let idle = false;
+  canvas.addEventListener("click", () => idle && !edit.on && plunge(0.8)); // and not where a finger begins to scroll
   canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
     canvas.focus();
     if (edit.on) return;
-    if (!game.alive) return plunge(0.8);
+    idle = !game.alive;
+    if (idle) return;
     const i = event.offsetX < canvas.clientWidth / 2 ? 0 : 1;
     touched.set(event.pointerId, i);
     press(i, true);
@@ -466,13 +477,13 @@ function listen() {
     const text = what === "link" ? new URL(toLink(rung.table, game), location.href).href : python(rung.table, game);
     try {
       await navigator.clipboard.writeText(text);
-      $("copied").textContent = "Copied.";
+      $("copied").textContent = `Copied${what === "link" ? reach() : ""}.`;
     } catch {
       $("copied").textContent = text;
     }
   });
   const again = () => (draw(), exits.draw());
-  stage(again, "f");
+  stage(again);
   new ResizeObserver(again).observe(document.body);
   dark.addEventListener("change", again);
 }
@@ -487,6 +498,7 @@ function release() {
 
 function pause() {
   paused = !paused;
+  say(paused ? "Paused: press Pause again to go on." : "");
   if (!paused) run();
   draw();
 }
