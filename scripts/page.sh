@@ -41,7 +41,7 @@ d3)
         printf '/* d3-scale, d3-selection, d3-zoom and what they need, bundled by sh scripts/page.sh d3.\n\n'
         cat node_modules/d3-zoom/LICENSE node_modules/d3-ease/LICENSE
         printf '*/\n'
-        node node_modules/esbuild/bin/esbuild scripts/d3.js --bundle --format=esm --minify --target=es2022 --legal-comments=none --log-level=warning
+        node node_modules/esbuild/bin/esbuild scripts/d3.js --alias:d3-color=./scripts/d3-color.js --bundle --format=esm --minify --target=es2022 --legal-comments=none --log-level=warning
     } >"${2:-src/grazing/explorer/page/d3.mjs}"
     ;;
 *)

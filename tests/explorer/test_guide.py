@@ -2,7 +2,7 @@
 
 import re
 from pathlib import Path
-from urllib.parse import quote
+from urllib.parse import quote, unquote
 
 import numpy as np
 import pytest
@@ -221,3 +221,29 @@ def test_a_note_travels_with_the_link_as_plain_text(shown, address):
     shown.page.fill("#write", "")
     shown.until("() => document.getElementById('note').hidden")
     assert "note" not in shown.link()
+
+
+def test_nothing_answers_a_question_before_the_reader(shown, address):
+    shown.open(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1225&tour=5")
+    shown.until("() => document.getElementById('summary').textContent.includes('0001')")
+    assert shown.page.inner_text("#summary") == ""
+    shown.page.click("#choices button:nth-child(3)")
+    shown.until("() => document.getElementById('summary').innerText.includes('%')")
+
+
+def test_exercises_are_chosen_beside_the_figures(shown, address):
+    text = (Path(__file__).parents[2] / "docs" / "exercises.md").read_text(encoding="utf-8")
+    asked = dict(re.findall(r"^## \d\. (.+)\n\n```text\n(#.+)\n```", text, re.MULTILINE))
+    shown.open(f"{address}#version=2&view=edges")
+    listed = shown.page.eval_on_selector_all("#preset optgroup option", "all => all.map(o => [o.text, o.value])")
+    assert {title: link.partition("&note=")[0] for title, link in listed} == asked
+    words = " ".join(text.split())
+    for title, link in listed:
+        question = unquote(link.partition("&note=")[2])
+        assert question in words.replace("*", "")
+        if title in ("The graze", "Cobweb"):
+            shown.page.select_option("#preset", link)
+            shown.until("() => document.getElementById('note').checkVisibility()")
+            assert shown.page.inner_text("#note") == question and shown.problem() == ""
+    shown.page.select_option("#preset", "3.2")
+    shown.until("() => !document.getElementById('note').checkVisibility()")

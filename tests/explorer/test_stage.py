@@ -145,8 +145,8 @@ def test_before_a_room_all_orbits_are_named_and_no_coordinates(opened, address):
     shown.until("() => explorer.state().view === 'oscillator'")
     shown.page.click("#more")
     assert shown.page.inner_text("#more") == "All controls"
-    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1305&tour=3")
-    shown.until("() => explorer.state().tour === 3")
+    shown.page.goto(f"{address}#version=2&view=oscillator&columns=30&bins=40&offset=0.1305&tour=3&answer=1")
+    shown.until("() => explorer.state().answer === 1")
     box = shown.page.locator("#figures > .below").bounding_box()  # one line: the step has the room
     assert shown.page.inner_text("#summary").startswith("At d = 0.1305:") and box["height"] < 2 * 24
     # what is wrong with a link lies over nothing
@@ -350,7 +350,7 @@ def test_the_table_before_a_room(browser, address, size, least):
     shown.until("() => window.pinball && pinball.game()?.t > 0 && pinball.exits()?.shares")
     shown.page.evaluate("() => pinball.pause()")
     keys = [each.inner_text() for each in shown.page.query_selector_all(".buttons kbd") if each.is_visible()]
-    assert keys == ([] if size[0] < 720 else ["P", "G"])  # a phone has none to press
+    assert keys == ([] if size[0] < 720 else ["K", "G"])  # a phone has none to press
     shown.page.click("#present")
     assert presenting(shown) and shown.page.evaluate(SMALLEST)[0] >= least
     around = "() => [document.documentElement.scrollHeight, document.documentElement.scrollWidth]"
@@ -376,10 +376,74 @@ def test_the_table_before_a_room(browser, address, size, least):
         shown.page.evaluate(AXE.read_text(encoding="utf-8"))
         found = shown.page.evaluate("() => axe.run()")["violations"]
         assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
-    shown.page.keyboard.press("f")
+    shown.page.keyboard.press("p")
     assert not presenting(shown) and shown.errors == []
     context.close()
 
 
 def corner(box):
     return (box["x"], box["width"]), (box["y"], box["height"])
+
+
+def test_one_key_presents_on_both_pages_and_the_stage_is_kept_on_the_way(shown, address):
+    shown.open(f"{address}#version=2&view=gap&columns=40")
+    page = shown.page
+    page.keyboard.press("p")
+    page.click("#more")
+    assert page.is_visible("#tour") and page.is_visible("#preset") and "Page Down" in page.inner_text("#tour")
+    assert not page.is_visible("#present")
+    page.click("#tour")
+    shown.until("() => explorer.state().tour === 1")
+    assert page.is_visible("[data-view=chart]") and page.evaluate(COVERED) == []
+    page.click("#more")
+    assert not page.is_visible("#tour")
+    page.click("#more")
+    page.click("nav a")
+    shown.until("() => window.pinball && document.body.classList.contains('presenting')")
+    page.evaluate(COARSE)
+    shown.until("() => pinball.exits()?.game")
+    page.keyboard.press("k")
+    assert page.inner_text("#said").startswith("Paused")
+    page.keyboard.press("k")
+    assert page.inner_text("#said") == ""
+    page.keyboard.press("p")
+    assert not presenting(shown)
+    page.go_back()
+    page.reload()
+    shown.until("() => window.explorer")
+    page.wait_for_timeout(50)
+    assert not presenting(shown)
+
+
+#: A slider, and whether its page scrolls.
+SLIDERS = {"index.html": ".control[data-name=offset] input[type=range]", "table.html": "[name='*.V']"}
+
+
+@pytest.mark.parametrize("where", SLIDERS)
+def test_a_finger_that_scrolls_sets_no_slider(phone, address, where):
+    page = phone.page
+    page.goto(address.removesuffix("index.html") + where)
+    phone.until("() => window.explorer || window.pinball?.exits()?.game")
+    slider = page.locator(SLIDERS[where])
+    slider.scroll_into_view_if_needed()
+    page.evaluate("() => scrollBy(0, -60)")
+    box, before, top = slider.bounding_box(), slider.input_value(), page.evaluate("() => scrollY")
+    x, y = box["x"] + 0.2 * box["width"], box["y"] + box["height"] / 2
+
+    def touch(kind, *points):
+        places = [{"x": px, "y": py} for px, py in points]
+        phone.fingers.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": places})
+
+    touch("touchStart", (x, y))
+    for i in range(1, 9):
+        touch("touchMove", (x, y - 15 * i))
+    touch("touchEnd")
+    phone.until(f"() => scrollY > {top}")
+    assert slider.input_value() == before
+    box = slider.bounding_box()
+    x, y = box["x"] + 0.2 * box["width"], box["y"] + box["height"] / 2
+    touch("touchStart", (x, y))
+    for i in range(1, 9):
+        touch("touchMove", (x + 10 * i, y))
+    touch("touchEnd")
+    phone.until(f"() => document.querySelector({SLIDERS[where]!r}).value !== '{before}'")

@@ -237,7 +237,10 @@ def test_near_balls_part_and_their_rate_is_told(shown, address):
     first = page.evaluate(f"() => {GAME}.spread")
     play(page, 3.0)
     assert page.evaluate(f"() => {GAME}.spread") > first + np.log(100.0)
-    assert re.search(r"tenfold every \d+\.\d+ s", page.inner_text("#parted"))
+    rate = re.search(r"tenfold every (\d+\.\d+) s", page.inner_text("#parted"))[1]
+    assert 0.1 < float(rate) < 0.5
+    play(page, 20.0)  # they are as far apart as the table is large: that is no rate
+    assert f"tenfold every {rate} s, as long as" in page.inner_text("#parted")
 
 
 def test_a_pixel_of_the_exits_is_a_ball_that_leaves_there(shown, address):
@@ -256,14 +259,66 @@ def test_a_pixel_of_the_exits_is_a_ball_that_leaves_there(shown, address):
 def test_shares_of_exits_are_those_of_python(shown, address):
     page = opened(shown, address)
     shown.until("() => pinball.exits().side >= 40")
-    x, y, fast = page.evaluate(f"() => {GAME}.table.from")
+    x, y, _ = page.evaluate(f"() => {GAME}.table.from")
     side = page.evaluate("() => pinball.exits().side")
     shares = page.evaluate("() => [...pinball.exits().shares]")
     T = gz.read_table("classic")
-    found = gz.launches(T, (x, y), np.linspace(0.0, 2.0 * np.pi, side), np.linspace(0.0, fast, side), hits=1500)
+    low, high, slow, fast = page.evaluate("() => pinball.exits().home")
+    found = gz.launches(T, (x, y), np.linspace(low, high, side), np.linspace(slow, fast, side), hits=1500)
     drains = [one.name for one in T.objects if one.kind == "drain"]
     truth = [float((found.exit == name).mean()) for name in drains]
     np.testing.assert_allclose(shares[:-1], truth, atol=3e-3)  # what doubles cannot decide, Python decides exactly
+
+
+#: How many colours fill the picture of exits, of those that are not a rarity.
+GRAIN = """() => {
+  const { axes } = pinball.exits(), { x, y, w, h } = axes.box;
+  const ratio = axes.canvas.width / axes.canvas.clientWidth * axes.zoom;
+  const [p, q] = [Math.floor(w * ratio), Math.floor(h * ratio)];
+  const { data } = axes.canvas.getContext("2d").getImageData(Math.ceil(x * ratio), Math.ceil(y * ratio), p, q);
+  const pixels = new Uint32Array(data.buffer), seen = new Map();
+  for (const each of pixels) seen.set(each, (seen.get(each) ?? 0) + 1);
+  return [...seen.values()].filter((n) => n > 0.01 * pixels.length).length;
+}"""
+
+
+@pytest.mark.parametrize("table", ["classic", "galton", "three_discs", "one_bumper"])
+def test_exits_are_seen_to_part_and_are_zoomed(shown, address, table):
+    page = opened(shown, address, f"#v=1&table={table}")
+    shown.until("() => pinball.exits().side >= 40")
+    assert page.evaluate(GRAIN) > 1  # of three discs it was one grey rectangle
+    shares = page.evaluate("() => [...pinball.exits().shares]")
+    assert sum(shares) == pytest.approx(1.0)
+    if table == "three_discs":
+        low, high, bottom, top = page.evaluate("() => pinball.exits().home")
+        x, _, speed = page.evaluate(f"() => {GAME}.table.from")
+        heights, T = np.linspace(bottom, top, 40), gz.read_table("three_discs")
+        launched = [gz.launches(T, (x, y), np.linspace(low, high, 40), [speed], hits=1500) for y in heights]
+        hits = np.concatenate([each.hits.values.ravel() for each in launched])
+        np.testing.assert_allclose(shares, np.bincount(np.minimum(hits, 7), minlength=8) / 1600, atol=2e-3)
+        assert "hit" in page.inner_text("#shares") and "goes away" not in page.inner_text("#shares")
+    before = page.evaluate("() => { const a = pinball.exits().axes; return [a.x0, a.x1, a.y0, a.y1]; }")
+    box = page.locator("#exits").bounding_box()
+    page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"])
+    page.mouse.wheel(0, -300)
+    shown.until(f"() => pinball.exits().axes.x1 - pinball.exits().axes.x0 < {0.9 * (before[1] - before[0])}")
+    page.focus("#exits")
+    page.keyboard.press("0")
+    assert page.evaluate("() => { const a = pinball.exits().axes; return [a.x0, a.x1, a.y0, a.y1]; }") == before
+
+
+def test_pictures_are_as_before_when_the_room_has_gone(shown, address):
+    page = opened(shown, address)
+    page.set_viewport_size({"width": 1280, "height": 720})
+    shown.until("() => pinball.exits().side >= 40")
+    size = "() => ['spread', 'exits'].map((id) => document.getElementById(id).clientHeight)"
+    before = page.evaluate(size)
+    page.click("#present")
+    page.wait_for_timeout(100)
+    page.click("#end")
+    assert page.evaluate(size) == before
+    link = page.locator("[data-copy=link]").bounding_box()
+    assert link["y"] + link["height"] <= 720
 
 
 def test_a_slider_changes_the_bumpers(shown, address):

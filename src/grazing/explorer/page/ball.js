@@ -197,7 +197,7 @@ export class BallView {
     if (this.search.waiting) this.attractor = { times: new Float64Array(0), cut: false, u: [], v: [], hits: [], rests: [] };
     this.orbits = this.search.waiting ? [] : this.classes.filter(({ period }, i) => period > 0 || i === 0).slice(0, ORBITS).map((each, i) => ({
       flight: i ? flown(this.machine, this.model, each.points[0][0], each.points[0][1], Math.min(each.period, 24)) : this.attractor,
-      colour: periodColour(each.period), thin: !(each.period > 0), name: `${each.word || "no tune"}: ${Math.round(16 * each.share)}`,
+      colour: periodColour(each.period), thin: !(each.period > 0), name: `${each.word || "no period"}: ${Math.round(16 * each.share)}`,
     }));
     for (const { flight } of this.orbits.slice(1)) this.ends = /** @type {typeof this.ends} */ (this.#around(flight).map((end, i) => Math[i % 2 ? "max" : "min"](end, this.ends[i])));
     this.home = [u, v, this.state.phase];

@@ -15,6 +15,7 @@ export class Company {
   rate = new Rate();
   /** @type {Twin | null} */ twin = null;
   /** @type {[number, number] | null} where the ball will be at the section after the pushes that are measured */ #ahead = null;
+  /** How often the twin had parted, and was put beside the ball again. */ #again = 0;
 
   /** @param {import("./ball.js").BallView} view @param {import("./pool.js").Pool} pool */
   constructor(view, pool) {
@@ -41,6 +42,7 @@ export class Company {
   begin() {
     const { view: { machine, model, turn, section, begun, T, place, now } } = this, [u, v] = now ? place : begun;
     this.rate.forget();
+    this.#again = 0;
     this.#ahead = null;
     if (this.twin) {
       this.#meet();
@@ -63,7 +65,10 @@ export class Company {
   /** The ball has moved on by a time. @param {number} time */
   moved(time) {
     const { view, twin } = this;
-    if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.place))) this.#meet();
+    if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.place))) {
+      this.#again += twin.flight ? 1 : 0;
+      this.#meet();
+    }
     if (twin) this.#measure();
   }
 
@@ -86,14 +91,14 @@ export class Company {
   said(name) {
     const { sweeps } = this;
     if (!this.view.state.sweeps || !sweeps.found) return [];
-    const apart = sweeps.differ().map(([from, to]) => `${numeral(from, 4)} ≤ ${name} ≤ ${numeral(to, 4)}`);
+    const apart = sweeps.differ().map((ends) => ends.map((end) => numeral(end, 4))).map(([from, to]) => (from === to ? `${name} ≈ ${from}` : `${from} ≤ ${name} ≤ ${to}`));
     if (!apart.length) return [{ text: "Carried up and down, a ball is on the same orbits both ways." }];
     const more = apart.splice(NAMED).length;
     return [{ text: `Carried up and down, a ball is on different orbits for ${apart.join(", ")}${more ? `, and in ${more} more places` : ""}: hysteresis.` }];
   }
 
   #tell() {
-    this.told.textContent = this.twin ? this.rate.said() : "";
+    this.told.textContent = this.twin ? `${this.rate.said()}${this.#again ? ` The twin has parted ${this.#again === 1 ? "once" : `${this.#again} times`}, and was put beside the ball again.` : ""}` : "";
   }
 
   /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */

@@ -9,11 +9,11 @@ import { TOUR } from "./tour.js";
 
 const byId = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 /** Numbers of a text that sliders change: a symbol, and what the state calls it. @type {Record<string, string>} */
-const SYMBOLS = { d: "offset", l: "l", λ: "lam", μ: "mu" };
+const SYMBOLS = { d: "offset", r: "r", l: "l", λ: "lam", μ: "mu" };
 const minus = (/** @type {string} */ text) => text.replace("-", "−");
 
 /** A text in which each such number is followed by a place for what it is now, which is not read aloud at every move of a slider. @param {string} text */
-const followed = (text) => text.split(/([dlλμ] = −?\d[.\d]*(?<!\.))/).flatMap((part, i) => {
+const followed = (text) => text.split(/((?<![a-z])[dlrλμ] = −?\d[.\d]*(?<!\.))/).flatMap((part, i) => {
   if (i % 2 === 0) return nodes(part);
   const place = document.createElement("span"), [symbol, value] = part.split(" = ");
   Object.assign(place.dataset, { of: SYMBOLS[symbol], told: value.replace("−", "-") });

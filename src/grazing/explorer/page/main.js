@@ -14,7 +14,7 @@ import { MapView } from "./mapped.js";
 import { WORDS } from "./names.js";
 import { panel } from "./panel.js";
 import { Pinned } from "./pinned.js";
-import { PRESETS } from "./presets.js";
+import { EXERCISES, PRESETS } from "./presets.js";
 import { copy, save } from "./share.js";
 import { HINTS, NEEDS, SHOWN, ZOOMED } from "./scenes.js";
 import { CHOICES, DEFAULTS, PINNABLE, VARIED, adopt, allowed, fromFragment, mended, narrowest, opening, refusal, tidy, toFragment, varied, wholeOf, zoomedOut } from "./state.js";
@@ -177,7 +177,7 @@ function render() {
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
   typeset($("hint"), ((!still(state) || ownOf(state)) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
-  if ($("preset").value && !isFigure(state, $("preset").value)) $("preset").value = "";
+  if ($("preset").value && !($("preset").value in PRESETS && isFigure(state, $("preset").value))) $("preset").value = "";
   clearTimeout(linking);
   linking = window.setTimeout(address, REST);
   const view = current();
@@ -292,7 +292,14 @@ function build() {
   }
   $("preset").hidden = $("tour").hidden = Boolean(BROUGHT.model?.map);
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
-  $("preset").addEventListener("change", () => $("preset").value && present(PRESETS[$("preset").value].state));
+  const asked = Object.assign(document.createElement("optgroup"), { label: "Exercises" });
+  for (const [title, [ask, link]] of Object.entries(EXERCISES)) asked.append(new Option(title, `${link}&note=${encodeURIComponent(ask)}`));
+  $("preset").append(asked);
+  $("preset").addEventListener("change", () => {
+    const { value } = $("preset");
+    if (value in PRESETS) present(PRESETS[value].state);
+    else if (value) location.hash = value;
+  });
   if (pool) pinned = new Pinned($("pin"), pool, { fields, change, problem: (text) => problem(text, "picture"), view: comparable, state: () => state });
   for (const { diagram } of PINNABLE.map((name) => views[name] ?? {})) if (diagram) diagram.drew = () => pinned?.draw();
   guide = guided({ change, present, state: () => state });

@@ -109,8 +109,8 @@ export function portrait(axes, { low, high, orbits, colour, trail, place: [u, v]
   c.arc(axes.x(aim ? aim.u : u), axes.y(aim ? aim.v : v), aim ? 8 : 5, 0, 7);
   c.fill();
   if (twin && !aim) {
-    c.strokeStyle = shown.ink;
-    c.lineWidth = 1.6;
+    c.strokeStyle = shown.accent;
+    c.lineWidth = 2.5;
     c.beginPath();
     c.arc(axes.x(twin[0]), axes.y(twin[1]), 5, 0, 7);
     c.stroke();

@@ -19,7 +19,7 @@ export const HINTS = {
   "chart-map": CHART,
   "chart-basins": `Each point is an initial state at the strobe, its colour the attractor that it reaches; dots are points of the attractors. Click to choose a state, ${ZOOM}`,
   "chart-map-basins": `Each point is an initial state, its colour the attractor that it reaches; dots are points of the attractors. Click to choose the start, ${ZOOM}`,
-  strobe: `Where both curves lie on one another the local map is exact; where they part, it is not. At a graze both jump. Click to choose the start of the zero-time map, ${ZOOM}`,
+  strobe: `Where both curves lie on one another the local map is exact; where they part, it is not. At a graze, dashed, both jump; dotted: an impact comes just at the end of the period. Click to choose the start of the zero-time map, ${ZOOM}`,
 };
 const CHARTS = "chart-gap chart-oscillator chart-basins chart-map chart-map-basins";
 /** The scenes in which a control is shown; one not named here is shown with its section. @type {Record<string, string>} */

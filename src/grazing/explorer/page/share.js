@@ -5,6 +5,7 @@ import { magnify, resolution } from "./plot.js";
 import { toFragment } from "./state.js";
 import { canvasOf, svgOf } from "./svg.js";
 import { command, python } from "./text.js";
+import { reach } from "./where.js";
 
 /** @typedef {import("./main.js").View} View */
 /** @typedef {import("./state.js").State} State */
@@ -15,7 +16,7 @@ const said = () => /** @type {HTMLElement} */ (document.getElementById("said"));
 /** @param {string} text */
 function say(text) {
   said().textContent = text;
-  setTimeout(() => said().textContent === text && (said().textContent = ""), 4000);
+  setTimeout(() => said().textContent === text && (said().textContent = ""), 4000 + 60 * text.length);
 }
 
 /** @param {Page} page @param {string} kind link, python or command */
@@ -28,7 +29,7 @@ export async function copy(page, kind) {
   const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(page.state(), view.raster());
   try {
     await navigator.clipboard.writeText(text);
-    say(`${kind} copied`);
+    say(`${kind} copied${kind === "link" ? reach() : ""}`);
   } catch {
     // no leave to use the clipboard: show the text, selected
     const field = document.createElement("textarea");

@@ -9,12 +9,41 @@ export const isTyped = (target) => target instanceof HTMLElement && /^(INPUT|SEL
 /** The keys of a presenter's remote control, and the buttons of the tour that they press. */
 const TURNS = /** @type {Record<string, string>} */ ({ PageDown: "next", PageUp: "back" });
 
-/** Let the page be presented: by its button, by P unless that key means something else, and back by either or Escape. @param {() => void} again what draws everything once more */
-export function stage(again, key = "p") {
-  const { classList } = document.body, more = document.getElementById("more");
+/** Pixels to the side after which a finger on a slider moves it, and does not scroll the page. */
+const SIDEWAYS = 6;
+
+/** A finger that begins to scroll on a slider sets it not. */
+function sideways() {
+  /** @type {{box: EventTarget | null, x: number, value: string} | null} */
+  let held = null;
+  const on = (/** @type {string} */ name, /** @type {(event: any) => void} */ act) => document.addEventListener(name, act, true);
+  on("pointerdown", ({ pointerType, target, clientX }) => (held = pointerType === "touch" && target.type === "range" ? { box: target, x: clientX, value: target.value } : null));
+  on("pointermove", ({ clientX }) => held && Math.abs(clientX - held.x) > SIDEWAYS && (held = null));
+  for (const end of ["pointerup", "pointercancel"]) on(end, () => setTimeout(() => (held = null)));
+  on("input", (event) => {
+    if (!held || event.target !== held.box) return;
+    event.target.value = held.value;
+    event.stopImmediatePropagation();
+  });
+}
+
+/** Whether another page of these was presented before this one. @param {boolean} [on] what is so from now on */
+function kept(on) {
+  try {
+    if (on !== undefined) sessionStorage.setItem("presenting", on ? "yes" : "");
+    return sessionStorage.getItem("presenting") === "yes";
+  } catch {
+    return false; // a browser that remembers nothing
+  }
+}
+
+/** Let the page be presented: by its button or P, and back by either or Escape; what fingers do to sliders. @param {() => void} again what draws everything once more */
+export function stage(again) {
+  const { classList } = document.body, more = document.getElementById("more"), tour = document.getElementById("tour")?.parentElement;
   let ours = false; // whether it is the page that ends the full screen, and not the browser's own key
   const all = (/** @type {boolean} */ on) => {
     classList.toggle("all", on);
+    if (tour) (on ? byId("controls") : /** @type {HTMLElement} */ (document.querySelector("header")))[on ? "prepend" : "append"](tour);
     if (!more) return;
     more.setAttribute("aria-expanded", String(on));
     more.textContent = `${on ? "Fewer" : "All"} controls`;
@@ -22,6 +51,7 @@ export function stage(again, key = "p") {
   const show = (/** @type {boolean} */ on) => {
     if (classList.contains("presenting") === on) return;
     classList.toggle("presenting", on);
+    kept(on);
     byId("stage").hidden = !on;
     all(false);
     if (on) document.documentElement.requestFullscreen?.().catch(() => {}); // where it is not allowed, the window is filled
@@ -42,8 +72,10 @@ export function stage(again, key = "p") {
   });
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || isTyped(event.target)) return;
-    if (event.key.toLowerCase() === key) show(!classList.contains("presenting"));
+    if (event.key.toLowerCase() === "p") show(!classList.contains("presenting"));
     else if (classList.contains("presenting") && TURNS[event.key]) document.getElementById(TURNS[event.key])?.click();
     else if (event.key === "Escape" && !event.defaultPrevented) show(false);
   });
+  sideways();
+  if (kept()) setTimeout(() => show(true)); // a way to another page leaves the room, not the stage
 }

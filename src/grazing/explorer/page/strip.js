@@ -46,7 +46,7 @@ export class Strip {
     if (!aim) this.#turns(c, scene, floor);
     this.#bumper(c, scene, width, floor);
     this.#marks(c, scene);
-    if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.faint }, 1.6);
+    if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.accent }, 1.6);
     this.#line(c, scene);
     this.#force(c, scene, floor + WORD, low);
     if (aim) this.#ahead(c, scene, aim);
@@ -218,7 +218,7 @@ export class Strip {
   /** @param {import("./svg.js").Pen} c @param {import("./twin.js").Twin} twin */
   #twin(c, { place, flight, clock }) {
     if (!flight) return;
-    c.strokeStyle = theme().ink;
+    c.strokeStyle = theme().accent;
     c.lineWidth = 2.5;
     c.beginPath();
     c.arc(this.axes.x(clock(flight.now)), this.axes.y(place[0]), BALL - 1, 0, 7);

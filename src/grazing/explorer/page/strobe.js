@@ -13,9 +13,11 @@ import { drawZeroTime, zeroTime } from "./zdm.js";
 /** @typedef {import("./machine.js").Machine} Machine */
 
 const SAMPLES = 600;
+/** How near the wall a ball ends its period whose impact passes the end of that. */
+const AT_WALL = 1e-6;
 /** @typedef {import("./machine.js").Floats} Floats */
 /** @typedef {{u: Floats, v: Floats, letters: Int32Array}} Images after one period, and impacts in it */
-/** @typedef {{map: "orbits" | "orbits_local", at: number, below: number, above: number}} Jump first start beyond a change of letter */
+/** @typedef {{map: "orbits" | "orbits_local", at: number, below: number, above: number, strobe: boolean}} Jump first start beyond a change of letter, and whether there an impact comes at the end of the period, and not at a graze */
 
 const impacts = (/** @type {number} */ letter) => (letter < 0 ? (letter === CHATTER ? "completed chatter" : "rest on the wall") : `${letter} impact${letter === 1 ? "" : "s"}`);
 
@@ -72,7 +74,8 @@ export class StrobeView {
         if (this.#once(Float64Array.of(middle), map).letters[0] === letters[i - 1]) before = middle;
         else after = middle;
       }
-      found.push({ map, at: after, below: letters[i - 1], above: letters[i] });
+      const ends = this.#once(Float64Array.of(before, after), map).u, { sigma } = /** @type {State} */ (this.state);
+      found.push({ map, at: after, below: letters[i - 1], above: letters[i], strobe: ends.some((u) => Math.abs(u - sigma) < AT_WALL) });
     }
     return found;
   }
@@ -141,7 +144,7 @@ export class StrobeView {
       [other, local.letters, periodColour(2), 1.8, `discontinuity map, ${state.order}`],
     ]);
     axes.inside(() => {
-      for (const { map, at } of jumps) axes.vertical(at, map === "orbits" ? theme().graze : periodColour(2), [5, 3], 1);
+      for (const { map, at, strobe } of jumps) axes.vertical(at, map === "orbits" ? theme().graze : periodColour(2), strobe ? [1, 4] : [5, 3], 1);
       for (const [values, letters, colour, width] of curves) {
         c.strokeStyle = colour;
         c.lineWidth = width;
@@ -198,11 +201,11 @@ export class StrobeView {
     const { u, full, local, jumps, four } = this, state = /** @type {State} */ (this.state);
     if (!full || !local || !jumps) return [];
     const said = [{ text: `One period of the forcing from u(0) between ${numeral(u[0])} and ${numeral(u[SAMPLES - 1])}, v(0) = ${numeral(state.v0)}.` }];
-    for (const { map, at, below, above } of jumps) {
-      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${told(at, state.line)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: there one is gained or lost, at a graze or across the strobe.`}` });
+    for (const { map, at, below, above, strobe } of jumps) {
+      if (map === "orbits") said.push({ text: `The oscillator has ${impacts(below)} below u(0) = ${told(at, state.line)}, and ${below < 0 || above < 0 ? `${impacts(above)} above.` : `${above} above: ${strobe ? "no graze, one comes just at the end of the period" : "there the ball grazes the wall"}.`}` });
       else said.push({ text: `The discontinuity map jumps at u(0) = ${told(at, state.line)}.` });
     }
-    if (!jumps.some(({ map }) => map === "orbits")) said.push({ text: `No graze of the oscillator on this line: ${impacts(full.letters[0])} everywhere.` });
+    if (!jumps.some(({ map, strobe }) => map === "orbits" && !strobe)) said.push({ text: "No graze of the oscillator is on this line; figures 2.1 and 2.2 show one." });
     const differ = Array.from(full.u, (value, i) => Math.abs(value - local.u[i]));
     const most = differ.reduce((best, value, i) => (value > differ[best] ? i : best), 0);
     said.push({ text: `The positions after a period differ most at u(0) = ${numeral(u[most])}, by ${numeral(differ[most])}.` });

@@ -10,9 +10,9 @@ import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
 import { stage } from "./stage.js";
-import { EXITS, TableDraw, kicks } from "./tabledraw.js";
+import { TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
-import { addressOf } from "./where.js";
+import { addressOf, reach } from "./where.js";
 
 /** @typedef {import("./played.js").State} State */
 /** @typedef {import("./played.js").Table} Table */
@@ -24,6 +24,8 @@ const PULL = 1.2, FRAME = 0.05;
 const NUDGE = 0.1;
 /** Near balls, and the angle between two of them. */
 const MANY = 100, SMALL = 1e-7;
+/** The logarithm of the share of the table up to which distances are small: beyond it they grow no more. */
+const FAR = -2;
 /** Letters of the word that are shown; how near a miss is told, as a share of the radius of the disc, or else of the ball; seconds for which. */
 const WORD = 40, NEAR = 0.12, TOLD = 2.5;
 /** Columns of the curve of distances, in seconds of play. */
@@ -44,6 +46,8 @@ let rung = RUNGS[0], pulled = 0, pace = 1, paused = false, before = 0, told = 0,
 let replaying = null;
 /** @type {{t: number, spread: number}[]} */
 let parted = [];
+/** The first and the last of them while all balls were near, and whether they are no more. @type {{from: {t: number, spread: number}, to: {t: number, spread: number}} | null} */
+let near = null, far = false;
 /** @type {Map<number, string>} */
 let letters = new Map();
 /** @type {Exits} */
@@ -51,7 +55,7 @@ let exits;
 /** @type {Edit} */
 let edit;
 const sound = new Sound(), drawing = new TableDraw($("table")), curve = new Axes($("spread"), { left: 54, top: 30 });
-const still = matchMedia("(prefers-reduced-motion: reduce)");
+const still = matchMedia("(prefers-reduced-motion: reduce)"), touch = matchMedia("(hover: none)");
 
 /** @param {string} text */
 function problem(text) {
@@ -119,9 +123,9 @@ const basins = () => exits.show(game);
 /** Say how the launches part. */
 function shares() {
   if (!exits.shares || !exits.names) return;
-  const parts = [...exits.names, "stays or goes away"].map((name, i) => {
+  const parts = exits.names.map((name, i) => {
     const chip = document.createElement("i");
-    chip.style.setProperty("background", i < (exits.names?.length ?? 0) ? EXITS[i % EXITS.length] : theme().chaos);
+    chip.style.setProperty("background", exits.colour(i));
     const line = document.createElement("span");
     line.append(chip, `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`);
     return { line, share: exits.shares?.[i] ?? 0 };
@@ -135,7 +139,8 @@ function choose(name, changes = {}) {
   rung = RUNGS.find((each) => each.table === name) ?? RUNGS[0];
   for (const button of document.querySelectorAll("#rungs button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
   $("headline").textContent = rung.headline;
-  $("text").textContent = rung.text;
+  $("text").textContent = (touch.matches && rung.touch) || rung.text;
+  $("asked").textContent = rung.heights ? "How often a ball hits" : "Where a ball leaves";
   if (!machine) return;
   game = new Played(machine, layout, tables[rung.table], bits);
   for (const [key, value] of Object.entries(changes)) game.set(key, value);
@@ -147,12 +152,12 @@ function choose(name, changes = {}) {
   letters = new Map(kicked.slice(0, 26).map(({ j }, i) => [j, String.fromCharCode(65 + i)]));
   for (const button of document.querySelectorAll("[data-press]")) /** @type {HTMLButtonElement} */ (button).hidden = !game.flippers.length;
   drawing.clear();
-  parted = [];
+  forget();
   replaying = null;
-  exits.chosen = null;
   edit.turn(false);
   say("");
-  basins();
+  $("word").textContent = "";
+  exits.begin(game, rung);
   draw();
 }
 
@@ -174,7 +179,7 @@ function launch(state) {
   if (edit.on) edit.turn(false);
   game.launch(state);
   drawing.clear();
-  parted = [];
+  forget();
   paused = false;
   if (!letters.size) $("word").textContent = "";
   say("");
@@ -208,8 +213,18 @@ function nudge(across, up) {
 function split() {
   if (!game.alive) plunge(0.8);
   game.fan(MANY, SMALL);
-  parted = [];
+  forget();
 }
+
+/** What was measured of near balls is over. */
+function forget() {
+  parted = [];
+  near = null;
+  far = false;
+}
+
+/** The logarithm of the size of the table. */
+const size = () => Math.log10(Math.max(game.table.box[1] - game.table.box[0], game.table.box[3] - game.table.box[2]));
 
 /** Do again what the player did. */
 function replay(start = game.start, presses = game.presses, nudges = game.nudges) {
@@ -249,7 +264,10 @@ function step(seconds) {
   heard(game.advance(until));
   drawing.follow(game);
   if (game.ghosts.length && (!parted.length || game.t - parted[parted.length - 1].t > 1 / 60)) {
-    parted.push({ t: game.t, spread: game.spread });
+    const now = { t: game.t, spread: game.spread / Math.LN10 };
+    parted.push(now);
+    far ||= now.spread > size() + FAR;
+    if (!far && Number.isFinite(now.spread)) near = { from: near?.from ?? now, to: now };
     parted = parted.filter(({ t }) => t > game.t - REMEMBERED);
   }
   if (game.end) over();
@@ -283,7 +301,7 @@ function over() {
   const many = game.hits.length, hits = `${many} hit${many === 1 ? "" : "s"} in ${game.t.toFixed(2)} s`;
   const how = game.end === "away" ? "The ball is gone for good" : game.end === "stopped" ? "The ball came to rest, or doubles could not follow it further" : `The ball left through ${game.end.replaceAll("_", " ")}`;
   const unsure = game.unsure ? ` ${game.unsure} of them doubles could not decide for sure; Python does.` : "";
-  say(`${how}: ${hits}.${unsure} Space launches another.`);
+  say(`${how}: ${hits}.${unsure} ${touch.matches ? "Launch" : "Space"} sends another.`);
   replaying = null;
 }
 
@@ -297,6 +315,7 @@ function draw() {
   }
   if ($("said").classList.contains("near") && performance.now() - told > 1000 * TOLD) say("");
   $("pause").setAttribute("aria-pressed", String(paused));
+  $("table").classList.toggle("played", game.alive && !paused && game.flippers.length > 0);
   $("replay").disabled = !game.hits.length || game.changed;
   spread();
 }
@@ -310,15 +329,15 @@ function said(factor) {
 /** The live curve of distances: on a logarithmic scale a straight line, as long as they are small. */
 function spread() {
   const c = curve.begin(), { accent, faint } = theme();
-  const logs = parted.filter(({ spread }) => Number.isFinite(spread)).map(({ t, spread }) => [t, spread / Math.LN10]);
-  const last = logs.at(-1)?.[0] ?? 1, size = Math.log10(Math.max(game.table.box[1] - game.table.box[0], game.table.box[3] - game.table.box[2]));
-  curve.span(Math.max(0, last - REMEMBERED), Math.max(last, 1), Math.log10(SMALL) - 1, Math.ceil(size));
+  const logs = parted.filter(({ spread }) => Number.isFinite(spread)).map(({ t, spread }) => [t, spread]);
+  const last = logs.at(-1)?.[0] ?? 1;
+  curve.span(Math.max(0, last - REMEMBERED), Math.max(last, 1), Math.log10(SMALL) - 1, Math.ceil(size()));
   curve.frame("t", "log₁₀ of the distance");
   if (!logs.length) {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball (G).", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText("Split the ball.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
@@ -329,9 +348,8 @@ function spread() {
     logs.forEach(([t, log], i) => (i ? pen.lineTo(curve.x(t), curve.y(log)) : pen.moveTo(curve.x(t), curve.y(log))));
     pen.stroke();
   });
-  const ends = [logs[0], logs[logs.length - 1]], rate = (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]);
-  const factor = 10 ** (ends[1][1] - ends[0][1]);
-  $("parted").textContent = rate > 0 && factor > 10 ? `In ${(ends[1][0] - ends[0][0]).toFixed(1)} s distances grew ${said(factor)} times: tenfold every ${(1 / rate).toFixed(2)} s.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
+  const [time, grown] = near ? [near.to.t - near.from.t, near.to.spread - near.from.spread] : [0, 0];
+  $("parted").textContent = grown > 1 ? `In ${time.toFixed(1)} s distances grew ${said(10 ** grown)} times: tenfold every ${(time / grown).toFixed(2)} s${far ? ", as long as they were below a hundredth of the table" : ""}.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
 }
 
 async function start() {
@@ -344,6 +362,12 @@ async function start() {
   }
   const link = document.createElement("a");
   Object.assign(link, { href: "index.html", textContent: "The paper" });
+  link.addEventListener("click", (event) => {
+    // back to the view that was left
+    if (!document.referrer || new URL(".", document.referrer).href !== new URL(".", location.href).href || document.referrer.includes("table.html")) return;
+    event.preventDefault();
+    history.back();
+  });
   $("rungs").append(link);
   $("problem").lastElementChild.addEventListener("click", () => problem(""));
   try {
@@ -356,10 +380,10 @@ async function start() {
     machine = machines.table;
     if (!machine || !pool) return;
     pool.see("table");
-    exits = new Exits($("exits"), pool, shares, (angle, speed) => {
-      const [x, y] = game.table.from;
+    exits = new Exits($("exits"), pool, shares, (state) => {
       replaying = null;
-      launch([x, y, speed * Math.cos(angle), speed * Math.sin(angle)]);
+      launch(state);
+      $("machine").scrollIntoView({ block: "nearest" }); // on a phone it is off the screen
     }, problem);
     edit = new Edit($("table"), { game: () => game, drawing, chose: edited, moved: () => (turn([], 0), draw()) });
   } catch (error) {
@@ -396,7 +420,7 @@ function listen() {
     else if (event.key === " " && !onButton) {
       if (!pulled && !event.repeat) pulled = performance.now();
       run();
-    } else if (event.key === "p" || event.key === "P") pause();
+    } else if (event.key === "k" || event.key === "K") pause();
     else if (event.key === "g" || event.key === "G") split();
     else return;
     event.preventDefault();
@@ -416,10 +440,13 @@ function listen() {
   }
   // thumbs on the table itself: the half that is touched
   const touched = /** @type {Map<number, number>} */ (new Map()), canvas = $("table");
+  let idle = false;
+  canvas.addEventListener("click", () => idle && !edit.on && plunge(0.8)); // and not where a finger begins to scroll
   canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
     canvas.focus();
     if (edit.on) return;
-    if (!game.alive) return plunge(0.8);
+    idle = !game.alive;
+    if (idle) return;
     const i = event.offsetX < canvas.clientWidth / 2 ? 0 : 1;
     touched.set(event.pointerId, i);
     press(i, true);
@@ -451,13 +478,13 @@ function listen() {
     const text = what === "link" ? new URL(toLink(rung.table, game), location.href).href : python(rung.table, game);
     try {
       await navigator.clipboard.writeText(text);
-      $("copied").textContent = "Copied.";
+      $("copied").textContent = `Copied${what === "link" ? reach() : ""}.`;
     } catch {
       $("copied").textContent = text;
     }
   });
   const again = () => (draw(), exits.draw());
-  stage(again, "f");
+  stage(again);
   new ResizeObserver(again).observe(document.body);
   dark.addEventListener("change", again);
 }
@@ -472,6 +499,7 @@ function release() {
 
 function pause() {
   paused = !paused;
+  say(paused ? "Paused: press Pause again to go on." : "");
   if (!paused) run();
   draw();
 }

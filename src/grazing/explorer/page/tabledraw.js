@@ -118,7 +118,7 @@ export class TableDraw {
       const letter = letters.get(j);
       if (letter) {
         const { x, y } = centre(one), least = 14 * enlarged(), size = one.kind === "disc" ? Math.min(2 * least, Math.max(least, this.scale * one.shape.radius)) : least;
-        c.fillStyle = ink;
+        c.fillStyle = one.kind === "disc" && !active ? paper : ink; // on its own grey
         c.font = `600 ${size}px system-ui, sans-serif`;
         c.textAlign = "center";
         c.textBaseline = "middle";
