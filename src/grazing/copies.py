@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import below, coded, content, digest, dotted, named
+from grazing.kernel.content import behind, below, coded, content, digest, frozen
 from grazing.outcome import InputError, raised
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
@@ -128,9 +128,7 @@ def _outline(function: FunctionType) -> str:
     """
     found, seen = [], [function]
     for each in seen:  # which grows
-        cells = [cell.cell_contents for cell in each.__closure__ or ()]
-        values = [*named(each).items(), *enumerate([*cells, *(each.__defaults__ or ())])]
-        values += [pair for _key, module in values for pair in dotted(module, each.__code__).items()]
+        values = [*frozen(each).items(), *(pair for taken in behind(each).values() for pair in taken.items())]
         found.append(
             (coded(each.__code__), [(key, content(value, (), {})) for key, value in values if _is_comparable(value)])
         )
@@ -139,7 +137,9 @@ def _outline(function: FunctionType) -> str:
 
 
 def _is_comparable(value: object) -> bool:
-    """Say whether a value is a number, a text or an array of them, or a function of ``math``."""
+    """Say whether a value is a number, a text, an array or a tuple of them, or a function of ``math``."""
+    if isinstance(value, tuple):
+        return all(map(_is_comparable, value))
     return isinstance(value, (int, float, complex, str, bytes, np.generic, BuiltinFunctionType)) or (
         isinstance(value, np.ndarray) and value.dtype.kind in "biufcSU"
     )

@@ -1,6 +1,7 @@
 """What the compiler layer promises: two arithmetics, content hashes, a cache that cannot be stale, plain words."""
 
 import cmath
+import enum
 import json
 import math
 import os
@@ -143,6 +144,69 @@ def test_digest_sees_what_the_compiler_freezes(text, name, before, after):
     assert of(before) == of(before) != of(after)
     if isinstance(before, dict):  # what is not used may be anything
         assert of(before) == of({**before, "other": object()})
+
+
+#: Pairs of texts of one bytecode, and of one repr of all constants, that mean something else in a kernel.
+TWINS = {
+    "the lines that a try holds": (
+        """
+        def g(x):
+            if x > 1.0:
+                raise ValueError
+            return x
+
+        def f(x):
+            y = 0.0
+            {0}
+                z = g(x + 1.0)
+            except Exception:
+                return -y
+            return z
+        """,
+        "try:\n        y = g(x)",
+        "y = g(x)\n    try:",
+    ),
+    "what is behind a module that is a default": ("def f(x, m=module({0})): return x * m.K", "2.0", "3.0"),
+    "what is behind one that is a keyword's": ("def f(x, *, m=module({0})): return x * m.K", "2.0", "3.0"),
+    "a name for getattr that has a name": (
+        "N = 'K'\nm = module({0})\ndef f(x): return x * getattr(m, N)",
+        "2.0",
+        "3.0",
+    ),
+    "one in a tuple": ("N = ('K',)\nm = module({0})\ndef f(x): return x * getattr(m, N[0])", "2.0", "3.0"),
+    "one that is a default": ("m = module({0})\ndef f(x, n='K'): return x * getattr(m, n)", "2.0", "3.0"),
+    "one behind a module": ("n, m = module('K', 'N'), module({0})\ndef f(x): return x * getattr(m, n.N)", "2.0", "3.0"),
+    "the sign of a NaN": ("N = {0}math.nan\ndef f(x): return math.copysign(x, N)", "", "-"),
+    "the sign of a NaN in the text": ("def f(x): return math.copysign(x, {0}(1e999 - 1e999))", "", "-"),
+    "an enum that shows no number": (
+        "class E(enum.IntEnum):\n    __repr__ = enum.Enum.__str__\n    A = {0}\nA = E.A\ndef f(x): return x * A",
+        "2",
+        "3",
+    ),
+    "a number that shows no number": (
+        "class C(complex):\n    def __repr__(self): return 'C'\nA = C({0})\ndef f(x): return (x * A).real",
+        "2",
+        "3",
+    ),
+}
+
+
+@pytest.mark.parametrize("what", TWINS)
+def test_digest_sees_what_bytecode_and_repr_do_not_show(what):
+    """The compiled kernel of the one text was run for the other."""
+    text, *both = TWINS[what]
+
+    def module(value, name="K"):
+        made = ModuleType("theirs")
+        setattr(made, name, value)
+        return made
+
+    def made(change):
+        scope = {"module": module, "math": math, "enum": enum, "__name__": "theirs"}
+        exec(textwrap.dedent(text).replace("{0}", change), scope)
+        return digest(scope["f"])
+
+    assert made(both[0]) == made(both[0]) != made(both[1])
 
 
 PROGRAM = """

@@ -26,6 +26,12 @@ COMPILED = "grazing.kernel"
 #: Modules whose names say what stands behind their dots, beside the version of numba.
 LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
+#: Plain numbers and texts; a kind of one's own may show itself otherwise.
+SHOWN = (bool, int, complex, str, bytes)
+
+#: The bits of the NaN that has no sign.
+NAN = np.array(math.nan).tobytes()
+
 #: Hashes of functions, for as long as nothing can change what they name: during one compilation.
 Known = dict[FunctionType, str]
 
@@ -85,19 +91,46 @@ def attributes(code: CodeType) -> frozenset[str]:
     return frozenset(own.union(*(attributes(const) for const in code.co_consts if isinstance(const, CodeType))))
 
 
-def dotted(value: Any, code: CodeType, above: tuple[Any, ...] = ()) -> dict[str, Any]:
-    """Return what a function takes from behind the dots of a module that it names; nothing for any other value.
+def frozen(function: FunctionType) -> dict[str, Any]:
+    """Return all values that stand in a function by a name, a place in its closure, or as a default."""
+    cells = [cell.cell_contents for cell in function.__closure__ or ()]
+    found = {f"{i}": value for i, value in enumerate((*cells, *(function.__defaults__ or ())))}
+    return named(function) | found | {f"{key}=": value for key, value in (function.__kwdefaults__ or {}).items()}
 
-    The compiler freezes it as it freezes what has a name of its own.
+
+def behind(function: FunctionType) -> dict[str, dict[str, Any]]:
+    """Return what a function takes from behind the dots of the modules that are frozen in it, by where these stand.
+
+    The compiler freezes it as it freezes what has a name of its own. It may be taken by ``getattr``, too, by any text.
     """
+    values = frozen(function)
+    modules = {key: value for key, value in values.items() if isinstance(value, ModuleType)}
+    names = attributes(function.__code__).union(*map(texts, values.values())) if modules else frozenset()
+    while True:
+        found = {key: dotted(value, names) for key, value in modules.items()}
+        more = names.union(*(texts(value) for each in found.values() for value in each.values()))
+        if more == names:
+            return found
+        names = more
+
+
+def texts(value: Any) -> frozenset[str]:
+    """Return the texts in a value."""
+    if isinstance(value, tuple):
+        return frozenset().union(*map(texts, value))
+    return frozenset([value] if isinstance(value, str) else [])
+
+
+def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> dict[str, Any]:
+    """Return what stands behind the dots of a module by these names; nothing for any other value."""
     if not isinstance(value, ModuleType) or value.__name__ in LIBRARIES or value in above:
         return {}
     found: dict[str, Any] = {}
-    for name in sorted(attributes(code)):
+    for name in sorted(names):
         item = getattr(value, name, dotted)
         if item is not dotted:
             found[name] = item
-            found |= {f"{name}.{key}": each for key, each in dotted(item, code, (*above, value)).items()}
+            found |= {f"{name}.{key}": each for key, each in dotted(item, names, (*above, value)).items()}
     return found
 
 
@@ -125,13 +158,15 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         return ("module", value.__name__)
     if isinstance(value, BuiltinFunctionType):  # math and cmath have functions of the same names
         return (value.__module__, value.__qualname__)
-    if isinstance(value, float):
-        return value.hex() if math.isfinite(value) else repr(value)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return ("array", repr(value.dtype), value.shape, numbers)
-    if value is None or isinstance(value, (int, complex, str, bytes, np.generic)):
-        return (type(value).__name__, repr(value))
+    if isinstance(value, np.void):
+        return ("record", repr(value.dtype), value.tobytes())
+    if isinstance(value, float):
+        return value.hex() if math.isfinite(value) else shown(value)
+    if value is None or isinstance(value, (*SHOWN, np.generic)):
+        return (type(value).__name__, shown(value))
     made = getattr(value, "py_func", None)
     if getattr(made, "__module__", "") == COMPILED:
         return ("compiled", made.__name__)  # type: ignore[union-attr]
@@ -145,18 +180,20 @@ def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
     if value in forms():
         return ("primitive", value.__name__, text(value.__module__), text("grazing.kernel.wide"))
 
-    def of(item: Any) -> Any:
-        behind = dotted(item, value.__code__)
-        said = content(item, above, known)
-        return (said, [(name, content(each, above, known)) for name, each in behind.items()]) if behind else said
+    taken = behind(value)
 
+    def of(item: Any, key: str) -> Any:
+        said, more = content(item, above, known), taken.get(key)
+        return (said, [(name, content(each, above, known)) for name, each in more.items()]) if more else said
+
+    cells, defaults = value.__closure__ or (), value.__defaults__ or ()
     return (
         [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],
         coded(value.__code__),
-        [(name, of(item)) for name, item in named(value).items()],
-        [of(cell.cell_contents) for cell in value.__closure__ or ()],
-        [content(default, above, known) for default in value.__defaults__ or ()],
-        sorted((name, content(default, above, known)) for name, default in (value.__kwdefaults__ or {}).items()),
+        [(name, of(item, name)) for name, item in named(value).items()],
+        [of(cell.cell_contents, f"{i}") for i, cell in enumerate(cells)],
+        [of(default, f"{i}") for i, default in enumerate(defaults, len(cells))],
+        sorted((name, of(default, f"{name}=")) for name, default in (value.__kwdefaults__ or {}).items()),
     )
 
 
@@ -181,12 +218,20 @@ def coded(code: CodeType) -> Any:
     ]
     stars = code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
     taken = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, stars)
-    return (steps, taken, code.co_names, code.co_varnames, code.co_freevars)
+    tries = [code.co_exceptiontable] if code.co_exceptiontable else []  # where they begin and end
+    return (steps, taken, code.co_names, code.co_varnames, code.co_freevars, *tries)
 
 
 def _said(constant: Any) -> Any:
     """Return what a constant is; a set of texts has another order in every process."""
     if isinstance(constant, CodeType):
         return coded(constant)
-    said = repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else repr(constant)
+    said = repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else shown(constant)
     return (type(constant).__name__, said)
+
+
+def shown(value: Any) -> str:
+    """Return the repr of a value, and what it leaves out: the bits of a NaN, the number of an enum."""
+    plain = next((kind.__repr__(value) for kind in SHOWN if isinstance(value, kind)), "")
+    bits = np.array(value).tobytes() if isinstance(value, (float, complex, np.inexact)) and value != value else NAN
+    return repr(value) + ("" if plain in ("", repr(value)) else plain) + ("" if bits == NAN else bits.hex())
