@@ -8,7 +8,7 @@ import pytest
 
 import grazing as gz
 from grazing.config import checked, command_of, plan_of, recipe_of, result_of
-from grazing.parameter import named_by, parameter_tuple, spread, value_of
+from grazing.parameter import foreign, named_by, parameter_tuple, spread, value_of
 
 LAW = gz.newton(0.6)
 
@@ -184,3 +184,10 @@ def test_what_is_no_word_is_named(call):
     for odd in ODD:
         with pytest.raises(gz.InputError):
             call(odd)
+
+
+def test_a_letter_that_no_name_has_is_named_and_no_other():
+    with pytest.raises(gz.InputError, match=r"'laμ' of gap map \(its 'μ' is U\+03BC, GREEK SMALL LETTER MU\)\. Did"):
+        gz.gap_map(lam=0.5, mu=0.1, l=0.2).replace(laμ=0.1)
+    assert foreign("xμ", ["μ", "x"]) == foreign("", ["a"]) == foreign("b", ["a"]) == ""
+    assert foreign("\x85", ["a"]) == " (its '\\x85' is U+0085, a letter without a name)"

@@ -249,6 +249,24 @@ def called_here(name: object, names: Iterable[str]) -> str:
     return OF_A_RIG[name] if "offset" in known else OF_A_RIG[name].replace("offset", "d")
 
 
+def foreign(name: str, names: Iterable[str]) -> str:
+    """Return which letter of an unknown name none of the known ones has: it may look just like one of theirs.
+
+    Examples
+    --------
+    >>> from grazing.parameter import foreign
+    >>> foreign("co" + chr(0x455), ["cos"]).partition(" is ")[2], foreign("coz", ["cos"])
+    ('U+0455, CYRILLIC SMALL LETTER DZE)', '')
+    """
+    known = {letter for one in names for letter in one}
+    for letter in name[:200]:
+        if not letter.isascii() and letter not in known:
+            from unicodedata import name as called
+
+            return f" (its {shown(letter)} is U+{ord(letter):04X}, {called(letter, 'a letter without a name')})"
+    return ""
+
+
 def unknown(name: object, names: Iterable[str], of: str) -> InputError:
     """Return the error for a name that does not exist, with the nearest one that does."""
     known = list(names)
@@ -256,7 +274,8 @@ def unknown(name: object, names: Iterable[str], of: str) -> InputError:
     hint = f" Did you mean {near[0]!r}?" if near else ""
     if said := called_here(name, known):
         hint = f" Here that is {said}."
-    return InputError(f"unknown parameter {shown(name)} of {of}.{hint} Allowed are: {', '.join(known)}")
+    letter = foreign(name, known) if isinstance(name, str) else ""
+    return InputError(f"unknown parameter {shown(name)} of {of}{letter}.{hint} Allowed are: {', '.join(known)}")
 
 
 def named_by(name: Any, names: Iterable[str]) -> list[str]:

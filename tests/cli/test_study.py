@@ -267,6 +267,15 @@ def test_an_option_is_like_another_without_its_dashes(option, near, capsys):
     assert said.startswith(f"error: Unknown option: {option}. {'' if option == '--N' else f'{meant} '}'grazing")
 
 
+@pytest.mark.parametrize(
+    "line",
+    ["d=0.1:0.2:3 --co\u0455=1", "\u0455=0.1:0.2:3", "d=0.1:0.2:3 --\u0455=1", "--map=gap \u0455=0:1:3 lam=0.5 l=0.1"],
+)
+def test_a_letter_that_looks_like_another_is_named(line, capsys):
+    """``--coѕ`` was answered with: did you mean ``--cos``?"""
+    assert "(its 'ѕ' is U+0455, CYRILLIC SMALL LETTER DZE)" in refused(capsys, "diagram", *shlex.split(line))
+
+
 def test_a_stiffness_that_is_no_number_is_not_unknown(capsys):
     said = refused(
         capsys, *shlex.split("diagram d=0.1:0.2:3 --alpha 1 --omega 1 --cos 1 --r 0.5 --V 0.1 --stiffness nan")

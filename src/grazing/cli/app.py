@@ -33,7 +33,7 @@ from grazing.cli.paper import paper
 from grazing.interrupt import causes, interrupt_in
 from grazing.memory import address_space
 from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, printable, raised, shown
-from grazing.parameter import called_here
+from grazing.parameter import called_here, foreign
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
 #: Columns between which help is written: in one or two its writer never ends, in 10^30 it fails.
@@ -300,7 +300,7 @@ def _reworded(error: CycloptsError) -> str:
         token = (error.unused_tokens or [""])[0]
         near = get_close_matches(token[:200], known, n=1)
         hint = f'Did you mean "{near[0]}"? ' if near else ""
-        return f'Unknown command "{token}". {hint}Commands are {", ".join(known)}.'
+        return f'Unknown command "{token}"{foreign(token, known)}. {hint}Commands are {", ".join(known)}.'
     if isinstance(error, UnknownOptionError) and error.argument_collection:
         given = (error.token.keyword or error.token.value).partition("=")[0]
         options = {name.lstrip("-"): name for argument in error.argument_collection for name in argument.names}
@@ -310,7 +310,7 @@ def _reworded(error: CycloptsError) -> str:
             return f"Unknown option: {given}. Here that is {said}; a rig with a {word} is given by --si."
         near = near or get_close_matches(word[:200], options, n=1)  # without the dashes, in which all are alike
         hint = f" Did you mean {options[near[0]]}?" if near else _as_parameter(word, error)
-        return f"Unknown option: {given}.{hint}"
+        return f"Unknown option: {given}{foreign(word, options)}.{hint}"
     return str(error)
 
 

@@ -11,7 +11,7 @@ from typing import Any
 from pydantic import BaseModel, ValidationError
 
 from grazing.outcome import InputError, listed, shown
-from grazing.parameter import called_here
+from grazing.parameter import called_here, foreign
 
 Path = tuple[str, ...]
 Label = Callable[[Path], str]
@@ -83,6 +83,7 @@ def unknown_key(name: str, names: Iterable[str], what: str = "unknown key") -> s
     hint = f"did you mean {shown(near[0])}? " if near else ""
     if said := called_here(name, known):
         hint = f"here that is {said}; {BY_SI if name in VARIED else ''}"
+    what += foreign(name, known)
     return f"{what}; {hint}allowed are {listed(known, NAMES)}" if known else f"{what}; none is allowed here"
 
 
