@@ -279,9 +279,8 @@ def test_both_grazes_of_figure_2_2(shown, address, presets, run):
     assert [jump["map"] for jump in jumps] == ["orbits", "orbits_local"]
     np.testing.assert_allclose([jump["at"] for jump in jumps], [data["graze"], data["local"]], rtol=4e-16)
     said = shown.page.inner_text("#summary")
-    assert (
-        all(f"{data[place]:.6g}" in said for place in ("graze", "local")) and "there the ball grazes the wall" in said
-    )
+    assert all(f"{data[place]:.6g}" in said for place in ("graze", "local"))
+    assert "there the ball grazes the wall" in said
     shown.open(f"{address}#version=2&view=strobe")  # Python: a hit at −0.0078 appears, one at −0.0157 goes
     assert shown.page.inner_text("#summary").count("there the ball grazes the wall") == 2
     shown.page.select_option("label:has-text('coordinate') + select", "v")
