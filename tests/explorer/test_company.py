@@ -124,6 +124,7 @@ def test_balls_part_where_orbits_are_chaotic(shown, address):
     shown.until(f"() => {BALL}.company.rate.turns >= 60")
     shown.until(f"{apart} < {0.1 * height}")  # and it begins anew, near
     assert re.search(r"Near balls part: λ = 0\.\d+ a push, over the next \d+ pushes", shown.page.inner_text("#rate"))
+    assert "and was put beside the ball again" in shown.page.inner_text("#rate")  # it leaps: that is said
 
 
 def test_balls_come_together_on_a_periodic_orbit(shown, address):

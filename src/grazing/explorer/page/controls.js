@@ -94,7 +94,7 @@ export function slider(field, [low, high], change, problem) {
     removeEventListener("pointermove", lift);
   };
   range.addEventListener("pointerdown", (event) => {
-    if (event.button) return;
+    if (event.button || event.pointerType === "touch") return; // a finger that goes up scrolls
     held = { y: event.clientY, across: seen, up: 0 };
     addEventListener("pointermove", lift);
     for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => setTimeout(leave), { once: true });
