@@ -6,8 +6,11 @@ from scipy.optimize import brentq
 
 import grazing as gz
 from grazing.orbits.contacts import PIECES, contacts_of
+from grazing.orbits.events import MIRRORS, between
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
+from grazing.orbits.signature import equations_of
+from grazing.orbits.switching import closed_evenly, evened, seeded
 from grazing.orbits.word import word
 from grazing.outcome import InputError
 
@@ -335,7 +338,8 @@ def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_para
     (broken,) = gz.continuation(gz.stroboscopic_map(model), orbit, "B.sigma", bounds).special
     branch = gz.continuation(orbit.map, broken, "B.sigma", bounds)
     (one,) = branch.at(broken.value - 0.0003)[:1]
-    for width in (0.003, 0.001):  # Newton's method failed 1e-9 before it: nothing was found
+    # Newton's method failed 1e-9 before it: nothing was found; or it led to a symmetric orbit 1e-6 away
+    for width in (0.001, 0.0017, 0.003, 0.0055):
         back = gz.continuation(one.map, one, "B.sigma", (broken.value - width, broken.value + 0.5 * width), step=0.01)
         (again,) = (special for special in back.special if special.type == "bp")
         assert again.converged and again.value == pytest.approx(broken.value, abs=1e-12) and back.complete
@@ -348,6 +352,32 @@ def test_a_path_crosses_a_branch_point_in_a_range_that_is_narrow_beside_the_para
         back = gz.continuation(one.map, one, "B.sigma", ends, step=0.3)
         (again,) = (special for special in back.special if special.type == "bp")
         assert abs(again.value - broken.value) < (1e-12 if again.converged else 1e-6) and back.complete
+
+
+def test_a_branch_point_is_found_from_whichever_symmetric_orbit_rounding_leads_to():
+    """All of them lie in the plane between an orbit and its mirror image: the bracket had no width, at one of them."""
+    phi = np.pi - np.arctan(2.0 * 1.3 / (np.pi * 0.7))
+    edge = (0.5 * np.pi**2 - 2.0) * np.sin(phi)
+    model = impact_pair(0.3, 1.1 * edge)
+    (orbit,) = (one for one in in_turn(model) if one.stable)
+    bounds = 0.4 * edge, 0.6 * edge
+    (broken,) = gz.continuation(gz.stroboscopic_map(model), orbit, "B.sigma", bounds).special
+    branch = gz.continuation(orbit.map, broken, "B.sigma", bounds)
+    for away in (1e-7, 1e-6, 8e-6):
+        (one,) = branch.at(broken.value - away)[:1]
+        p = np.array([one.map.params["B.sigma"]])
+        for width in (0.001, 0.003, 0.01):
+            equations, x = equations_of(one, ("B.sigma",), np.array([width]))
+            (image,) = equations.reflections(x, p)
+            chord = np.append((image - x) / equations.scale, 0.0)
+            events = between(equations, *(seeded(equations, y, p, chord) for y in (x, image)))
+            (event,) = (event for event in events if event.where == MIRRORS)
+            assert event.low <= broken.value <= event.high
+            y = event.point.z[:-1] * equations.scale
+            for value in np.linspace(event.low, event.high, 4):
+                q = np.array([value])
+                _y, found, ends = evened(equations, closed_evenly(equations, y, q), q, event.high - event.low)
+                assert ends is not None and found[0] == pytest.approx(broken.value, abs=1e-12)
 
 
 def test_a_branch_point_is_not_put_where_newton_s_method_goes_elsewhere():

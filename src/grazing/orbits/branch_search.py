@@ -209,7 +209,7 @@ class Pieces:
                 continue
             ends: tuple[float, float] | None = event.low, event.high
             if event.where == HALVES:
-                half, x, p, good = once(equations, x, p)
+                half, x, p, good = once(equations, x, p, event.high - event.low)
                 _twice, x = half.doubling(x, p)
                 ends = ends if good else None
             else:
@@ -262,7 +262,7 @@ class Pieces:
         """Keep an event as a special point, and what begins there as a seed; its type, nothing if it is none."""
         x, p = path.unscaled(event.point.z)
         if event.where == HALVES:
-            half, x, p, good = once(equations, x, p)
+            half, x, p, good = once(equations, x, p, event.high - event.low)
             good = good and event.converged
             orbit = half.orbit(x, p)
             value = float(p[-1])

@@ -68,7 +68,7 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event] | None:
 
         one = located(equations, a, along, length, "pd", HALVES, uneven)
         if one is not None:
-            return [one[1]]
+            return [led_to(equations, along * length, (a, b), one[1])]
     images = [equations.images(*unscaled(equations, q.z)) for q in (a, b)]
     for m, beside in images[0].items():
         other = images[1].get(m, beside)
@@ -82,8 +82,10 @@ def between(equations: Equations, a: Point, b: Point) -> list[Event] | None:
             def lopsided(q: Point, m: int = m, beside: Floats = beside) -> float:
                 return float(beside @ equations.images(*unscaled(equations, q.z))[m])
 
-            found.append(located(equations, a, along, length, "bp", MIRRORS, lopsided))
-            folds = folds and found[-1] is None  # there the branch turns round into its mirror image
+            one = located(equations, a, along, length, "bp", MIRRORS, lopsided)
+            if one is not None:
+                found.append((one[0], led_to(equations, along * length, (a, b), one[1])))
+                folds = False  # there the branch turns round into its mirror image
         break  # it is not even made of so many parts, so not of more
     if folds:
         found.append(located(equations, a, along, length, "lp", -1, lambda q: float(q.tangent[-1])))
@@ -195,6 +197,20 @@ def located(
     if type == "bp":  # there the derivative does not tell one branch from the other
         point = point._replace(tangent=along)
     return s, Event(type, point, where, min(low, value), max(high, value), good)
+
+
+def led_to(equations: Equations, chord: Floats, ends: tuple[Point, Point], event: Event) -> Event:
+    """Return an event where a path crosses a branch of shorter or symmetric orbits, bracketed by where its ends lead.
+
+    That branch lies across the chord as a whole: any point of it may be found in place of the one that is crossed.
+    """
+    span, length = float(equations.spans[-1]), float(chord @ chord)
+    values = [event.low, event.high]
+    for q, way in zip(ends, (length, -length), strict=True):
+        forward = float(q.tangent @ chord)
+        if forward != 0.0:  # the path bends back: its tangent leads past the point
+            values += [float(q.z[-1]) * span, float(q.z[-1] + way / forward * q.tangent[-1]) * span]
+    return event._replace(low=min(values), high=max(values))
 
 
 def plane_point(a: Point, along: Floats, s: float, guess: Floats) -> Floats:

@@ -74,10 +74,13 @@ def seeded_at_fold(equations: Equations, x: Floats, p: Floats) -> Point | None:
     return seeded(equations, found[0][:n] * equations.scale, found[0][n:] * equations.spans, along)
 
 
-def once(equations: Equations, x: Floats, p: Floats) -> tuple[Equations, Floats, Floats, bool]:
-    """Return where an orbit that goes round twice is one of half its period: its period doubling, to rounding."""
+def once(equations: Equations, x: Floats, p: Floats, width: float) -> tuple[Equations, Floats, Floats, bool]:
+    """Return where an orbit that goes round twice is one of half its period: its period doubling, to rounding.
+
+    It is within the width of a bracket.
+    """
     half, x = equations.halving(x, p)
-    return half, *vanishing(half, closed, 0, x, p)
+    return half, *vanishing(half, closed, 0, x, p, width)
 
 
 def evened(
@@ -88,7 +91,7 @@ def evened(
     It is within the width of a bracket, in which the equations of all impacts may not have led to it. The solution, the
     parameter and a bracket of it, between whose ends the test function changes its sign; or None.
     """
-    x, p, good = vanishing(equations, closed_evenly, 1, x, p, max(NEAR, width / float(equations.spans[0])))
+    x, p, good = vanishing(equations, closed_evenly, 1, x, p, width)
     value, reach = float(p[0]), 1e-15 * (abs(float(p[0])) + float(equations.spans[0]))
     while good and reach < 1e-9 * float(equations.spans[0]):
         ends = value - reach, value + reach
@@ -130,9 +133,12 @@ def closed_evenly(equations: Equations, x: Floats, p: Floats) -> Floats | None:
 
 
 def vanishing(
-    equations: Equations, solve: Callable[..., Floats | None], test: int, x: Floats, p: Floats, near: float = NEAR
+    equations: Equations, solve: Callable[..., Floats | None], test: int, x: Floats, p: Floats, width: float
 ) -> tuple[Floats, Floats, bool]:
-    """Return the solution and parameter nearby at which a test function, by its number, is zero; and whether it is."""
+    """Return the solution and parameter nearby at which a test function, by its number, is zero; and whether it is.
+
+    Nearby is within the width of a bracket, or :data:`NEAR`.
+    """
 
     def height(share: float) -> float:
         q = share * equations.spans
@@ -142,7 +148,7 @@ def vanishing(
     begin = float(p[0] / equations.spans[0])
     with np.errstate(invalid="ignore"):
         found = scipy.optimize.root_scalar(height, x0=begin, x1=begin + 1e-6, xtol=VANISHED, method="secant")
-    good = found.converged and abs(found.root - begin) < near
+    good = found.converged and abs(found.root - begin) < max(NEAR, width / float(equations.spans[0]))
     p = found.root * equations.spans if good else p
     solved = solve(equations, x, p)
     return x if solved is None else solved, p, bool(good and solved is not None)
