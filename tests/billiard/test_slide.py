@@ -8,8 +8,10 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.check import free_place
+from grazing.billiard.contact import next_event
 from grazing.billiard.flown import AFTER, BEFORE, FLAGS, LAST, NEXT, OWNER, PATH, TIME, flights_of
 from grazing.billiard.swing import swung
+from grazing.billiard.turning import ON
 from grazing.outcome import CHATTER, ESCAPED, FATAL, NO_IMPACT, STUCK
 
 DEAD, SOFT, UP = gz.newton(0.0), gz.newton(0.5), 0.5 * pi
@@ -304,3 +306,25 @@ def test_from_a_dome_onto_a_wall_of_a_level_table_it_hits_the_floor(side):
     table = gz.table([gz.arc("dome", (0, 0), 2.0, 0.0, pi, DEAD), *walls], 0.1)
     flown = gz.trajectory(table, (0.0, 1.2, side, 0.2), until=20.0)
     assert flown.y.values.min() > -2.9 - 1e-12 and "floor" in flown.impact_wall.values
+
+
+@pytest.mark.parametrize("speed", [1e-3, 1e-15, 1e-30])
+def test_a_ball_in_a_corner_slides_on_at_any_speed_without_a_doubt(speed):
+    """Slower than 1e-15 it left the wall by less than rounding tells: each flight of no time was decided exactly."""
+    walls = [gz.segment("wall", (0, 5), (0, 0), SOFT), gz.segment("floor", (0, 0), (6, 0), SOFT)]
+    table = gz.table(walls, 0.2, tilt=0.3)
+    found = next_event(0.2, 0.2, speed, 0.0, 0.0, 0.0, table.blocks(table.row(), "python")[0])
+    (_surface, owner, t, flags, left), _before, after, _speeds = found
+    assert (owner, t, flags, left) == (-1, 0.0, STUCK, 2.0 + ON) and after == (0.2, 0.2, speed, 0.0)
+
+
+@pytest.mark.parametrize(("high", "waits"), [(3.0, False), (0.9, True)])
+def test_a_slide_waits_only_for_flippers_that_reach_its_way(high, waits):
+    """A slow ball on the floor waited at each stroke of a flipper above: ten thousand slides, and it ended by name."""
+    one = gz.flipper("F", (3, high), 0.5, 0.05, 0.0, 1.0, SOFT, up=10.0, down=5.0)
+    things = [gz.segment("floor", (0, 0), (6, 0), SOFT), gz.segment("wall", (6, 0), (6, 5), SOFT), one]
+    table = gz.table(things, 0.2, tilt=0.3, player=gz.flips(1.0, 0.3))
+    block = table.blocks(table.row(), "python")[0]
+    (_surface, owner, t, flags, _left), *_rest = next_event(1.0, 0.2, 0.01, 0.0, ON, 0.0, block)
+    assert (owner, flags) == ((-1, STUCK) if waits else (1, STUCK))
+    assert t == pytest.approx(0.1 if waits else 480.0)

@@ -258,3 +258,17 @@ def test_a_pin_is_not_where_balls_without_a_radius_start():
         wide.replace(rho=0.0)
     with pytest.raises(gz.InputError, match="never meets"):
         gz.lyapunov(wide, "rho", [0.1, 0.0, 0.2], starts=2, steps=2, transient=0)
+
+
+def test_an_impact_at_no_speed_or_that_leaves_none_is_a_graze():
+    """A ball runs up a wall onto an active dome that goes on from it; one stops at a dead wall: both were *ok*."""
+    walls = [
+        gz.segment("wall", (2, -3), (2, 0), gz.newton(0.5)),
+        gz.segment("floor", (-3, -3), (3, -3), gz.newton(0.5)),
+    ]
+    P = gz.collision_map(gz.table([gz.arc("dome", (0, 0), 2.0, 0.0, pi, gz.active(0.9, 0.4)), *walls], 0.1, tilt=0.5))
+    dead = gz.segment("dead", (0, 0), (0, 4), gz.newton(0.0)), gz.segment("wall", (3, 4), (3, 0), ELASTIC)
+    for one, start in ((P, (13.5, -pi / 2, 2.0)), (gz.collision_map(gz.table(dead, 0.1)), (14.0, 0.0, 1.0))):
+        found = one.orbit(start, 1)
+        assert gz.Outcome(int(found.outcomes[0])) == gz.Outcome.graze and np.isfinite(found.points).all()
+        assert np.isnan(one.jacobian(start)).all()

@@ -249,6 +249,8 @@ def flight_to(surface: int, t: float, flags: int, state: Any, left: float, clock
     if not t < INFINITY:
         return (surface, -1, t, flags | DIVERGED, left), state, state, NONE
     (owner, said, now), before, after, speeds = landed(surface, t, x, y, vx, vy, clock, table)
+    if said & STUCK and t == 0.0:
+        flags &= ~(GRAZE | AMBIGUOUS)
     v = before[2], before[3]
     if table[FEET] > 0.0 or is_slow(left, v, after, table[GRAVITY], table[LENGTH]):
         x, y, normal = after[0], after[1], (speeds[3], speeds[4])

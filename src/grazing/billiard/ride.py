@@ -126,7 +126,7 @@ def ride(x: float, y: float, vx: float, vy: float, surface: int, clock: float, t
     """Return what :func:`grazing.billiard.slide.slide` does, of a ball on a side of a flipper that turns."""
     (row, way, omega), first = begun(x, y, vx, vy, surface, clock, table)
     g, spin, size, own = table[GRAVITY], abs(omega), row[SIZE], int(row[OWNER])
-    end, _busy = horizon(x, y, INFINITY, clock, table)
+    end, _busy = horizon(element(surface, clock, table), x, y, INFINITY, clock, table)
     end, t, least, flags, state = min(end, TURN / spin), 0.0, 0.0, OK, (x, y, vx, vy)
     draw = spin * spin * row[LONG] + g  # the most that it is sped up by along the side
     for _ in range(MOST):

@@ -287,7 +287,7 @@ def slide(x: float, y: float, vx: float, vy: float, surface: int, clock: float, 
         which, far = which * int(el[0]), turned / bend
     s, at, why = (high, above, why_high) if which > 0 else (low, below, why_low)
     room = min(max(high, low), 2.0 * el[6]) if el[0] != 0.0 else max(high, low)
-    end, busy = horizon(x, y, room, clock, table)
+    end, busy = horizon(el, x, y, room, clock, table)
     if busy:
         late, hit = swept(surface, x, y, vx, vy, still, min(t, end), clock, table)
         if hit >= 0:

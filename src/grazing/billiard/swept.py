@@ -9,7 +9,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import TOUCH, slid
+from grazing.billiard.elements import TOUCH, gap_of, slid, width_of
 from grazing.billiard.flippers import (
     ARM,
     AT,
@@ -43,18 +43,20 @@ def flippers_of(table: Any) -> Any:
 
 
 @inlined
-def is_near(row: Any, x: float, y: float, room: float) -> Any:
-    """Say whether a flipper that ever turns may come to a ball that moves no further than ``room``."""
+def is_near(row: Any, el: Any, x: float, y: float, room: float) -> Any:
+    """Say whether a flipper that ever turns may come to a ball that moves no further than ``room``, on an element."""
     dx, dy = x - row[PX], y - row[PY]
-    return row[PIECES] > 1.0 and sqrt(dx * dx + dy * dy) <= row[REACH] + room
+    far = abs(gap_of(el, row[PX], row[PY])) - width_of(el, x, y)
+    on_way = far <= row[REACH] or not room < INFINITY
+    return row[PIECES] > 1.0 and on_way and sqrt(dx * dx + dy * dy) <= row[REACH] + room
 
 
-def horizon(x: float, y: float, room: float, clock: float, table: Any) -> Any:
+def horizon(el: Any, x: float, y: float, room: float, clock: float, table: Any) -> Any:
     """Return (t, busy): when a flipper that may come to a ball begins or ends to turn, and whether one turns now."""
     end, busy, rows = INFINITY, False, flippers_of(table)
     for i in range(int(table[FLIPPERS])):
         row = behind(rows, FLIPPER_WIDTH * i)
-        if not is_near(row, x, y, room):
+        if not is_near(row, el, x, y, room):
             continue
         pieces, phase = behind(rows, int(row[AT])), clock_of(clock, row)
         number, turns = piece_at(0.0, phase, row, pieces)

@@ -75,10 +75,16 @@ def arrived(found: Any, clock: float, table: Any) -> Any:
     if flags & ESCAPED:
         away, way = gone(owner, table)
         return away, 0.0, way, flags
-    _v_minus, v_plus, along, nx, ny, _curvature, _omega, ux, uy = speeds
+    v_minus, v_plus, along, nx, ny, _curvature, _omega, ux, uy = speeds
     out = v_plus + (ux * nx + uy * ny)
     new = place_at(surface, after[0], after[1], t, clock, table), atan2(along, out), hypot(along, out)
-    return new, t, owner, flags
+    return new, t, owner, named(flags, v_minus, new[2])
+
+
+@inlined
+def named(flags: int, before: float, speed: float) -> int:
+    """Return the outcome of a step: an impact as slow as nothing, or one that leaves the ball at rest, is a graze."""
+    return flags if before < 0.0 and speed > 0.0 else flags | GRAZE
 
 
 @inlined

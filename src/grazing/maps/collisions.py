@@ -37,6 +37,7 @@ from grazing.maps.collide import (
     Place,
     all_collided,
     gone,
+    named,
     velocity,
 )
 from grazing.maps.derivative import Derived
@@ -176,6 +177,7 @@ class OfTable(Origin):
         away, along = vx * nx + vy * ny, vy * nx - vx * ny
         new: tuple[float, ...]
         new = float(place_at(surface, x, y, 0.0, t, block)), atan2(along, away), hypot(along, away)
+        flags = named(flags, float(flight[BEFORE]), new[2])
         if self.table.period:
             new = *new, t % self.table.period
         return Settled(new, owner, flags, INFINITY, INFINITY)
@@ -202,6 +204,7 @@ def settled(table: Table, state: tuple[float, ...]) -> Settled | None:
     _owner, _x, _y, (nx, ny, *_rest) = met(surface, x, y, 0.0, t, block)
     away, along = vx * nx + vy * ny, vy * nx - vx * ny
     new = [float(place_at(surface, x, y, 0.0, t, block)), atan2(along, away), hypot(along, away)]
+    flags = named(flags, float(last[BEFORE]), new[2])
     for name in player.gates:
         times = pressed.get(name, [])
         turned = abs(angle_at(t, 0.0, pieces_of(shapes[name], times)) - shapes[name]["rest"])
