@@ -21,6 +21,7 @@ from typing import Any
 from grazing.kernel.content import COMPILED, Known, below, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
+from grazing.kernel.prepared import told as said_to_numba
 from grazing.kernel.primitives import pointed, signatures
 from grazing.kernel.wide import forms, plain
 from grazing.outcome import GrazingError, InputError, UserCodeError, told
@@ -306,11 +307,14 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
 def processor() -> str:
     """Return the processor that kernels are compiled for: on another one the last digits of fast ones may differ.
 
-    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that the forms are.
+    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that the forms are,
+    *uncompiled* that Python computes. Behind it stands what the environment says to the compiler.
     """
     _system, name, features = own()
-    how = "plain" if plain() else family(name, features)
-    return f"{how} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]}".strip()
+    told = said_to_numba()
+    how = "plain" if plain() else "" if told else family(name, features)
+    how = "uncompiled" if jit_disabled() else how
+    return f"{how} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]} {told}".strip()
 
 
 @cache
