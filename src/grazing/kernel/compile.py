@@ -18,7 +18,7 @@ from functools import cache
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-from grazing.kernel.content import COMPILED, Known, below, digest, is_kernel, named
+from grazing.kernel.content import COMPILED, Known, below, compiled_as, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
 from grazing.kernel.prepared import told as said_to_numba
@@ -238,6 +238,8 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
         link_carefully()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
+    for each, said in known.items():
+        compiled_as.setdefault(each, said)
     if role != "part":
         try:
             from grazing.kernel.cache import KernelCache
