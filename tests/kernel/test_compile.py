@@ -18,7 +18,7 @@ import pytest
 
 import grazing
 from grazing.kernel.compile import cache_folder, call, compiled
-from grazing.kernel.content import digest
+from grazing.kernel.content import digest, identity
 from grazing.kernel.primitives import inlined
 from grazing.kernel.wide import plain
 from grazing.outcome import InputError, UserCodeError
@@ -478,3 +478,21 @@ def test_a_process_forked_while_another_thread_compiles_says_so(lock, tmp_path):
     assert done.returncode == 0, done.stderr
     said, status, value = done.stdout.splitlines()
     assert "was forked while another thread compiled" in said and (status, value) == ("0", "23.25")
+
+
+def test_a_result_never_names_other_numbers_than_its_code_was_compiled_with():
+    """A number that a step names was changed after the first call: results had its hash, and the old code."""
+    scope = {"C": 1.0, "A": np.array([1.0])}
+    text = "def step(state, p):\n    return p.a * C * A[0] * state\n"
+    exec(text, scope)
+    step, a = scope["step"], namedtuple("p", "a")(0.5)
+    assert compiled(step)(1.0, a) == 0.5
+    before = identity(step)
+    for change in ("C = 2.0", "A[0] = 3.0"):
+        exec(change, scope)
+        with pytest.raises(InputError, match=r"a value that step names.* define step again, or make"):
+            identity(step)
+        exec(text, scope)
+        assert identity(scope["step"]) != before
+        exec("C, A[0] = 1.0, 1.0", scope)
+    assert identity(step) == before and compiled(step)(1.0, a) == 0.5

@@ -11,7 +11,7 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
-from numba.core import environment
+from numba.core import config, environment
 
 from grazing.kernel import compile as compiling
 from grazing.kernel import disk
@@ -54,6 +54,27 @@ def test_any_damage_costs_a_compilation_and_no_more(kept):
     for content in damaged:
         kept.write_bytes(content)
         assert "it is damaged" in heals(kept)
+
+
+def test_code_that_the_compiler_was_told_to_make_otherwise_is_never_taken_for_its_own(kept, monkeypatch):
+    """A process with NUMBA_OPT=0 left its code, slow and of other last digits, to all others; no sweep named it."""
+
+    def hits():
+        entry = fresh()
+        assert entry(3.0) == 7.0
+        return sum(entry.stats.cache_hits.values())
+
+    where = {compiling.processor.__wrapped__()}
+    for name, value in (("OPT", type(config.OPT)(0)), ("BOUNDSCHECK", 1), ("SLP_VECTORIZE", 1)):
+        with monkeypatch.context() as told:
+            told.setattr(config, name, value)
+            assert (hits(), hits()) == (0, 1)
+            where.add(compiling.processor.__wrapped__())
+    assert hits() == 1
+    with monkeypatch.context() as told:
+        told.setenv("NUMBA_DISABLE_JIT", "1")
+        where.add(compiling.processor.__wrapped__())
+    assert len(where) == 5
 
 
 def test_what_killed_processes_have_left_half_written_is_removed(kept):

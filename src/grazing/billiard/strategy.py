@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from grazing.billiard.objects import FLIPPER, Thing, drain, two_of
 from grazing.billiard.players import HOLD, Flips, Piece, Presses, pieces_of, refuse_others
 from grazing.copies import ByValue, made_of, packed
-from grazing.kernel.content import digest
+from grazing.kernel.content import identity
 from grazing.outcome import InputError, UserCodeError, raised, shown
 from grazing.parameter import Parameter
 
@@ -85,7 +85,7 @@ class Strategy(ByValue):
     @property
     def config(self) -> str:
         """What decides a result: the function by content, the gates and how long buttons are pressed."""
-        return f"{digest(self.flip)[:16]} {dict(self.gates)!r} {self.hold!r}"
+        return f"{identity(self.flip)[:16]} {dict(self.gates)!r} {self.hold!r}"
 
     def bound(self, names: Sequence[str]) -> Strategy:
         """Return the player of these flippers."""

@@ -25,7 +25,7 @@ from grazing.billiard.plunger import KNOWN, Plunger
 from grazing.billiard.rows import HEAD, LAW, ROW, SLOPE, THING, block_of, gravity_of, surfaces_of
 from grazing.billiard.strategy import Player, Strategy
 from grazing.copies import ByValue
-from grazing.kernel.content import digest
+from grazing.kernel.content import identity
 from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import Parameter, checked_params, checked_text, unknown, updated
 
@@ -149,7 +149,7 @@ class Table(ByValue):
     def config(self) -> dict[str, str]:
         """What decides a result beside the parameters: reset laws of one's own, by content, and a recording."""
         laws = [one.law for one in self.objects if one.law is not None and one.law.own]
-        own = ", ".join(f"{law.name} {digest(law.law)[:16]}" for law in laws)
+        own = ", ".join(f"{law.name} {identity(law.law)[:16]}" for law in laws)
         recorded = self.player.times if isinstance(self.player, Presses) else {}
         asked = {"strategy": self.player.config} if isinstance(self.player, Strategy) else {}
         return ({"law": own} if own else {}) | ({"presses": repr(dict(recorded))} if recorded else {}) | asked

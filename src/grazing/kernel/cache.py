@@ -22,7 +22,7 @@ from numba import types
 
 from grazing.kernel.content import text
 from grazing.kernel.disk import KernelFiles, cache_folder, folders
-from grazing.kernel.prepared import machines
+from grazing.kernel.prepared import machines, told
 from grazing.kernel.private import CompileResultCacheImpl, FunctionCache, normalize_signature
 from grazing.kernel.wide import plain
 
@@ -108,7 +108,7 @@ class KernelCache(FunctionCache):  # type: ignore[misc]
         ways = "plain" if plain() else text("grazing.kernel.pipeline") + text("grazing.kernel.wide")
         # one bytecode may be that of several Pythons, whose interfaces for C, and what is pickled, are not the same
         versions = f"{LAYOUT} {ways} {numba.__version__} {llvmlite.__version__} {EXTENSION_SUFFIXES[0]}"
-        self._stamp = hashlib.sha256(f"{content} {versions}".encode()).hexdigest()
+        self._stamp = hashlib.sha256(" ".join(filter(None, (content, versions, told()))).encode()).hexdigest()
         self._name, self._py_func, self._announce = repr(function), function, announce
         self._impl = Files(function, self._stamp, units)
         folder, read = folders()

@@ -18,9 +18,10 @@ from functools import cache
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
-from grazing.kernel.content import COMPILED, Known, below, digest, is_kernel, named
+from grazing.kernel.content import COMPILED, Known, below, compiled_as, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
+from grazing.kernel.prepared import told as said_to_numba
 from grazing.kernel.primitives import pointed, signatures
 from grazing.kernel.wide import forms, plain
 from grazing.outcome import GrazingError, InputError, UserCodeError, told
@@ -237,6 +238,8 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
         link_carefully()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
+    for each, said in known.items():
+        compiled_as.setdefault(each, said)
     if role != "part":
         try:
             from grazing.kernel.cache import KernelCache
@@ -306,11 +309,14 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
 def processor() -> str:
     """Return the processor that kernels are compiled for: on another one the last digits of fast ones may differ.
 
-    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that the forms are.
+    A family before it is that of prepared kernels, see :mod:`grazing.kernel.prepared`; *plain* says that the forms are,
+    *uncompiled* that Python computes. Behind it stands what the environment says to the compiler.
     """
     _system, name, features = own()
-    how = "plain" if plain() else family(name, features)
-    return f"{how} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]}".strip()
+    told = said_to_numba()
+    how = "plain" if plain() else "" if told else family(name, features)
+    how = "uncompiled" if jit_disabled() else how
+    return f"{how} {name} {hashlib.sha256(features.encode()).hexdigest()[:8]} {told}".strip()
 
 
 @cache

@@ -16,6 +16,7 @@ from uuid import uuid4
 import numpy as np
 
 from grazing.kernel.wide import forms
+from grazing.outcome import InputError
 
 #: The functions of this module have a compiled form of their own always, those that are wide where it is taken.
 PRIMITIVES = "grazing.kernel.primitives"
@@ -34,6 +35,9 @@ NAN = np.array(math.nan).tobytes()
 
 #: Hashes of functions, for as long as nothing can change what they name: during one compilation.
 Known = dict[FunctionType, str]
+
+#: Hashes of functions as they were when each was first compiled in this process: its code stays that of then.
+compiled_as: Known = {}
 
 #: What stands for objects of whose content nothing is known, by address, which is nobody else's while they are kept.
 _unknown: dict[int, tuple[str, Any]] = {}
@@ -55,6 +59,25 @@ def digest(function: Callable[..., Any] | tuple[Any, ...], known: Known | None =
         64 hexadecimal digits; equal for equal code, whatever file or line it stands in.
     """
     return hashlib.sha256(repr(content(function, (), {} if known is None else known)).encode()).hexdigest()
+
+
+def identity(*functions: Callable[..., Any] | None) -> str:
+    """Hash users' functions as results name them.
+
+    Raises
+    ------
+    InputError
+        If what one of them names has changed since it was compiled: its code has the old value.
+    """
+    known: Known = {}
+    found = digest(functions if len(functions) > 1 else functions[0], known)  # type: ignore[arg-type]
+    for each in functions:
+        if isinstance(each, FunctionType) and compiled_as.get(each, known[each]) != known[each]:
+            raise InputError(
+                f"a value that {each.__name__} names, itself or below, has changed since it was compiled: its code has "
+                f"the old one; define {each.__name__} again, or make the value a parameter"
+            )
+    return found
 
 
 def is_kernel(value: object) -> bool:

@@ -21,6 +21,18 @@ FAMILIES = {
     "x86-64-v2": ",".join(sorted(X86_64_V2)),
 }
 
+#: Settings of numba by which it makes other code for one processor, and what they are unless it is told.
+USUAL = {
+    "OPT": "_OptLevel(3)",
+    "LOOP_VECTORIZE": "1",
+    "SLP_VECTORIZE": "0",
+    "BOUNDSCHECK": "None",
+    "DEBUGINFO_DEFAULT": "0",
+    "EXTEND_VARIABLE_LIFETIMES": "0",
+    "LLVM_REFPRUNE_PASS": "1",
+    "USING_SVML": "False",
+}
+
 #: The files that this process has used.
 used: set[str] = set()
 
@@ -56,6 +68,14 @@ def own() -> tuple[str, str, str]:
     features.update({name: False for name in features if name.startswith("avx") and not config.ENABLE_AVX})
     said = features.flatten() if config.CPU_FEATURES is None else config.CPU_FEATURES
     return "", config.CPU_NAME or binding.get_host_cpu_name(), said
+
+
+def told() -> str:
+    """Return what the environment tells numba, such as NUMBA_OPT=0, that makes other code; empty for nothing."""
+    from numba import config
+
+    said = {name: repr(getattr(config, name, None)) for name in USUAL}
+    return " ".join(f"{name}={said[name]}" for name, usual in USUAL.items() if said[name] not in (usual, "None"))
 
 
 def stamp(family: str = "") -> Path:

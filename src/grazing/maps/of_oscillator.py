@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.kernel.content import digest
+from grazing.kernel.content import identity
 from grazing.maps.derivative import Derived
 from grazing.maps.origin import Origin
 from grazing.maps.starting import Box, boxes_at
@@ -68,7 +68,7 @@ class OfRig(Origin):
     @property
     def config(self) -> dict[str, str]:
         """The base, which makes forces from other parameters, and reset laws of one's own, each by name and content."""
-        own = ", ".join(f"{one.law.name} {digest(one.law.law)[:16]}" for one in self.rig.walls if one.law.own)
+        own = ", ".join(f"{one.law.name} {identity(one.law.law)[:16]}" for one in self.rig.walls if one.law.own)
         return ({} if self.rig.base is None else {"base": self.rig.base.text}) | ({"law": own} if own else {})
 
 

@@ -18,7 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.kernel.compile import processor
-from grazing.kernel.content import digest
+from grazing.kernel.content import identity
 from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.outcome import Outcome
@@ -145,7 +145,7 @@ def is_own(P: Map) -> bool:
 
 def map_code(P: Map) -> str:
     """Return a hash of the code of a map: of its step, and of all functions of one of the user's own."""
-    return digest((P.step, P.prepare, P.tangent) if is_own(P) else P.step)
+    return identity(P.step, P.prepare, P.tangent) if is_own(P) else identity(P.step)
 
 
 def own_version() -> str:
