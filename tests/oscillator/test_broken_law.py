@@ -53,6 +53,15 @@ def test_a_study_warns_with_the_law_and_its_line(law, study):
     assert len(seen) <= 2
 
 
+def test_a_density_says_once_what_a_law_did():
+    """Its trial, which finds the range, said it too, of other numbers of orbits."""
+    P = gz.stroboscopic_map(model(lambda v, p: float("nan") if -0.3 < v < -0.2 else -v * p.r))
+    few = {"starts": 40, "transient": 20, "keep": 500}  # many more than the trial looks at
+    with pytest.warns(RuntimeWarning, match="returned nan") as seen:
+        gz.density(P, "omega", OMEGA, bins=4, **few)
+    assert len(seen) == 1
+
+
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("run", [
     lambda m: gz.trajectory(m, (0.5, 0.0)), gz.testing.check_model,

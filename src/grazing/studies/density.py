@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
 from math import floor
@@ -13,7 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, FATAL, InputError, shown
+from grazing.outcome import AMBIGUOUS, FATAL, InputError, level_outside, shown
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
@@ -182,12 +183,16 @@ def trial_range(runs: Runs, i: int) -> tuple[float, float]:
     short = settings._replace(starts=few, transient=min(settings.transient, before), keep=min(settings.keep, steps))
     trial = Runs(runs.P, {name: grid[some]}, short, runs.moving)
     low, high = np.inf, -np.inf
-    for part in trial.pieces(np.arange(len(some))):
-        x = part.points[:, :, i]
-        seen = x[np.isfinite(x)]
-        if seen.size:
-            low, high = min(low, float(seen.min())), max(high, float(seen.max()))
+    with warnings.catch_warnings(record=True) as said:  # the study itself says what is wrong with a law
+        warnings.simplefilter("always")
+        for part in trial.pieces(np.arange(len(some))):
+            x = part.points[:, :, i]
+            seen = x[np.isfinite(x)]
+            if seen.size:
+                low, high = min(low, float(seen.min())), max(high, float(seen.max()))
     if not low <= high:
+        for one in said:
+            warnings.warn(one.message, stacklevel=level_outside())
         raise InputError("every orbit of a trial ended before its first point; give range=(low, high)")
     room = ROOM * (high - low) or 1e-6 * max(abs(high), runs.P.box[i][1] - runs.P.box[i][0])
     if not np.isfinite((high + room) - (low - room)):
