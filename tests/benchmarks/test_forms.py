@@ -32,4 +32,4 @@ def test_a_way_serves_its_work():
 def test_what_was_measured_is_shown():
     out = io.StringIO()
     forms.show_forms(Console(file=out), [forms.Brought("without transposed", dict.fromkeys(forms.WORK, 1.104))])
-    assert "| without transposed | 1.10 | 1.10 | 1.10 |" in out.getvalue()
+    assert "| without transposed | 1.10 | 1.10 | 1.10 | 1.10 |" in out.getvalue()

@@ -123,7 +123,7 @@ def test_the_numbers_are_those_of_the_equation_per_mass():
         ({"gap": np.nan}, "not finite"),
         ({"m": True}, "not a real number"),
         ({"reset": 0.7}, "reset is 0.7; give gz.newton"),
-        ({"frequency": 1e-200}, "omega = 6.28319e-200; allowed is 1e-60 <= omega"),
+        ({"frequency": 1e-200}, "frequency = 1e-200; allowed is 1.59e-61 <= frequency"),
         ({"c": "2 dB"}, "its units do not match"),
         ({"m": 1e-320}, r"m = 9\.99989e-321 kg: damping, stiffness, .* are larger than any double; give a mass"),
         ({"base": [1e-4] * 1001}, "base and force have 1001 harmonics; allowed are at most 1000"),
