@@ -306,7 +306,7 @@ function over() {
 }
 
 function draw() {
-  if (!machine) return;
+  if (!game) return;
   const [x, y] = game.table.launch;
   drawing.draw(game, { letters, aim: game.alive ? null : [x, y], chosen: edit.chosen, at: before });
   if (letters.size) {
@@ -352,7 +352,10 @@ function spread() {
   $("parted").textContent = grown > 1 ? `In ${time.toFixed(1)} s distances grew ${said(10 ** grown)} times: tenfold every ${(time / grown).toFixed(2)} s${far ? ", as long as they were below a hundredth of the table" : ""}.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
 }
 
+const again = () => (draw(), exits?.draw());
+
 async function start() {
+  stage(again); // its key waits for nothing that is loaded
   const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.message : String(error));
   for (const each of RUNGS) {
     const button = document.createElement("button");
@@ -485,8 +488,6 @@ function listen() {
       $("copied").textContent = text;
     }
   });
-  const again = () => (draw(), exits.draw());
-  stage(again);
   new ResizeObserver(again).observe(document.body);
   dark.addEventListener("change", again);
 }
