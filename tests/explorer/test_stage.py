@@ -447,3 +447,19 @@ def test_a_finger_that_scrolls_sets_no_slider(phone, address, where):
         touch("touchMove", (x + 10 * i, y))
     touch("touchEnd")
     phone.until(f"() => document.querySelector({SLIDERS[where]!r}).value !== '{before}'")
+
+
+@pytest.mark.parametrize("kept", [False], ids=["loaded"])
+@pytest.mark.parametrize("file", ["index.html", "table.html"])
+def test_the_key_that_presents_waits_for_no_kernels(shown, address, file):
+    held, page = [], shown.page
+    page.route("**/kernels.json", lambda route: held.append(route))
+    with page.expect_request("**/kernels.json"):
+        page.goto(address.replace("index.html", file))
+    page.keyboard.press("p")
+    assert page.evaluate("() => document.body.classList.contains('presenting')")
+    page.evaluate("() => dispatchEvent(new Event('resize'))")
+    page.wait_for_timeout(50)
+    held[0].continue_()
+    shown.until("() => globalThis.explorer?.views.ball.flight || globalThis.pinball?.game()")
+    assert page.evaluate("() => document.body.classList.contains('presenting')")

@@ -256,6 +256,48 @@ def test_a_pixel_of_the_exits_is_a_ball_that_leaves_there(shown, address):
     assert page.evaluate(f"() => {GAME}.end") == (flown.exit.item() or "stopped")
 
 
+def test_keys_of_the_table_work_from_the_picture_of_exits_and_from_a_slider(shown, address):
+    page = opened(shown, address)
+    shown.until("() => pinball.exits().side >= 40")
+    box = page.locator("#exits").bounding_box()
+    page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
+    hold(page)
+    assert page.evaluate("() => document.activeElement.id") == "exits"
+    page.keyboard.press("g")
+    assert page.evaluate(f"() => {GAME}.ghosts.length > 0")
+    page.keyboard.down("z")
+    assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 1
+    page.keyboard.up("z")
+    before = page.evaluate("() => pinball.exits().chosen")
+    said = page.evaluate(  # at once: a near miss may be told next
+        "() => { const key = new KeyboardEvent('keydown', { key: 'ArrowRight', bubbles: true, cancelable: true });"
+        " document.activeElement.dispatchEvent(key); return document.getElementById('said').textContent; }"
+    )
+    assert page.evaluate("() => pinball.exits().chosen") != before and "arrows choose a launch" in said
+    assert page.evaluate(f"() => {GAME}.presses.right_flipper.length") == 0
+    page.focus("input[name=tilt]")
+    page.keyboard.press("g")
+    assert page.evaluate(f"() => {GAME}.ghosts.length > 0")
+
+
+def test_nothing_of_one_table_is_left_on_another(shown, address):
+    page = opened(shown, address, "#v=1&table=three_discs")
+    shown.until("() => pinball.exits().side >= 40")
+    chosen = f"""(name) => {{
+      [...document.querySelectorAll("#rungs button")].find((each) => each.textContent === name).click();
+      const {{ axes }} = pinball.exits(), {{ x, y, w, h }} = axes.box;
+      const [left, top, wide, high] = [x + 3, y + 3, w - 6, h - 6].map((each) => Math.round(each * axes.ratio));
+      const colours = new Set(new Uint32Array(axes.context.getImageData(left, top, wide, high).data.buffer)).size;
+      return [colours, document.getElementById("shares").textContent, {GAME}.table.params.length];
+    }}"""
+    assert page.inner_text("#shares")
+    colours, legend, params = page.evaluate(chosen, "Galton board")
+    assert (colours, legend) == (1, "")
+    shown.until("() => document.getElementById('shares').textContent")
+    _, legend, again = page.evaluate(chosen, "Galton board")  # the same once more
+    assert legend and again == params
+
+
 def test_shares_of_exits_are_those_of_python(shown, address):
     page = opened(shown, address)
     shown.until("() => pinball.exits().side >= 40")

@@ -33,8 +33,8 @@ export function typeset(element, text) {
 let count = 0;
 /** Steps of a slider by a key in its length; a fine step, by a key with Shift or a pixel up, is a part of one. */
 const STEPS = 500, FINE = 10;
-/** A number typed is taken at every key up to so many lengths of the slider beyond its ends, farther away on leaving the field. */
-const FAR = 10;
+/** A number typed is taken after so many milliseconds without a key, up to so many lengths of the slider beyond its ends; farther away by Enter, or on leaving the field. */
+const PAUSE = 600, FAR = 10;
 
 /**
  * A slider and a number field for one parameter; `change(value)` is called with values that are allowed.
@@ -110,7 +110,9 @@ export function slider(field, [low, high], change, problem) {
     const unit = event.shiftKey ? fine() : step();
     slide(seen + sign * unit, fine());
   });
+  let typed = 0;
   const take = (/** @type {boolean} */ typing) => {
+    clearTimeout(typed);
     const value = number.value === "" ? NaN : Number(number.value);
     const why = number.validity.badInput && Number.isNaN(value) ? `give ${field.name} as a number; those of double precision end at ±1.8e308` : refusal(field.name, value, { [field.name]: field });
     number.removeAttribute("aria-invalid");
@@ -126,7 +128,13 @@ export function slider(field, [low, high], change, problem) {
     seen = value;
     change(value);
   };
-  number.addEventListener("input", () => take(true));
+  number.addEventListener("input", (event) => {
+    const { inputType, data } = /** @type {InputEvent} */ (event);
+    clearTimeout(typed);
+    // 0.7 is no 0 on the way; what is pasted, or stepped by an arrow, is whole
+    if (data?.length === 1 || /^(delete|insertComp)/.test(inputType)) typed = window.setTimeout(() => take(true), PAUSE);
+    else take(true);
+  });
   number.addEventListener("change", () => take(false));
   box.append(label, number, range);
   return {

@@ -65,6 +65,12 @@ export class Exits {
     this.#whole = [[0, 2 * Math.PI], heights ?? [0, game.table.from[2]]];
     this.home = home ?? this.#whole.flat();
     this.chosen = null;
+    if (game.table !== this.game?.table) {
+      // nothing of another table
+      this.#seen = null;
+      this.shares = undefined;
+      this.counted();
+    }
     this.axes.span(this.home[0], this.home[1], this.home[2], this.home[3]);
     this.show(game);
   }

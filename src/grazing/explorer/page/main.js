@@ -327,8 +327,6 @@ function build() {
     linked = hash;
     if (hash !== toFragment(state)) read(hash);
   });
-  const again = () => (failed ? refresh() : page.repaint());
-  stage(again);
   dark.addEventListener("change", () => { again(); tell(); });
   // a button that a mouse has pressed leaves the keys to the picture; so does what has no use for a key
   addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
@@ -356,15 +354,19 @@ function read(hash) {
   refresh();
 }
 
+/** Draw all once more. */
+const again = () => (failed ? refresh() : page.repaint());
+
 async function begin() {
   $("unread").remove();
+  stage(again); // its key waits for nothing that is loaded
   let loaded;
-  const again = () => {
+  const afresh = () => {
     for (const view of Object.values(views)) view.key = undefined;
     if (current()) refresh();
   };
   try {
-    loaded = await load({ problem, again });
+    loaded = await load({ problem, again: afresh });
   } catch (error) {
     problem(`The kernels could not be loaded (${wordsOf(error)}). This page must come from a web server together with the folder kernels: run "grazing explore".`, "kernels");
     return;

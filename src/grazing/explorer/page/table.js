@@ -9,7 +9,7 @@ import { Played, unpacked } from "./played.js";
 import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
 import { Sound } from "./sound.js";
-import { stage } from "./stage.js";
+import { isTyped, stage } from "./stage.js";
 import { TableDraw, kicks } from "./tabledraw.js";
 import { fromLink, python, toLink } from "./tablelink.js";
 import { addressOf, reach } from "./where.js";
@@ -122,7 +122,7 @@ const basins = () => exits.show(game);
 
 /** Say how the launches part. */
 function shares() {
-  if (!exits.shares || !exits.names) return;
+  if (!exits.shares || !exits.names) return $("shares").replaceChildren();
   const parts = exits.names.map((name, i) => {
     const chip = document.createElement("i");
     chip.style.setProperty("background", exits.colour(i));
@@ -181,7 +181,7 @@ function launch(state) {
   drawing.clear();
   forget();
   paused = false;
-  if (!letters.size) $("word").textContent = "";
+  $("word").textContent = "";
   say("");
   run();
 }
@@ -306,7 +306,7 @@ function over() {
 }
 
 function draw() {
-  if (!machine) return;
+  if (!game) return;
   const [x, y] = game.table.launch;
   drawing.draw(game, { letters, aim: game.alive ? null : [x, y], chosen: edit.chosen, at: before });
   if (letters.size) {
@@ -352,7 +352,10 @@ function spread() {
   $("parted").textContent = grown > 1 ? `In ${time.toFixed(1)} s distances grew ${said(10 ** grown)} times: tenfold every ${(time / grown).toFixed(2)} s${far ? ", as long as they were below a hundredth of the table" : ""}.` : "Near balls, each turned by a ten-millionth of a radian from the one before.";
 }
 
+const again = () => (draw(), exits?.draw());
+
 async function start() {
+  stage(again); // its key waits for nothing that is loaded
   const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.message : String(error));
   for (const each of RUNGS) {
     const button = document.createElement("button");
@@ -383,6 +386,7 @@ async function start() {
     exits = new Exits($("exits"), pool, shares, (state) => {
       replaying = null;
       launch(state);
+      if (document.activeElement === exits.axes.canvas && game.flippers.length && !touch.matches) say("In the picture of exits arrows choose a launch; Z and M work the flippers there.");
       $("machine").scrollIntoView({ block: "nearest" }); // on a phone it is off the screen
     }, problem);
     edit = new Edit($("table"), { game: () => game, drawing, chose: edited, moved: () => (turn([], 0), draw()) });
@@ -410,11 +414,12 @@ function listen() {
   const KEYS = { ArrowLeft: 0, z: 0, Z: 0, ArrowRight: 1, m: 1, M: 1 };
   /** @type {Record<string, [number, number]>} */
   const NUDGES = { ArrowUp: [0, 1], a: [-1, 0], A: [-1, 0], d: [1, 0], D: [1, 0] };
-  const elsewhere = (/** @type {KeyboardEvent} */ event) => event.ctrlKey || event.metaKey || event.altKey || /** @type {HTMLElement} */ (event.target).tagName === "INPUT" || /** @type {HTMLElement} */ (event.target).id === "exits";
   addEventListener("keydown", (event) => {
-    if (event.key === "Enter" && /** @type {HTMLElement} */ (event.target).id === "exits") return exits.chosen && exits.choose(...exits.chosen);
-    if (elsewhere(event)) return;
-    const onButton = ["BUTTON", "A"].includes(/** @type {HTMLElement} */ (event.target).tagName);
+    const target = /** @type {HTMLElement} */ (event.target);
+    // what is used by the picture of exits, or moves a slider, is no key of the table
+    if (event.defaultPrevented || event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || (target.tagName === "INPUT" && event.key.startsWith("Arrow"))) return;
+    if (event.key === "Enter" && target.id === "exits") return exits.chosen && exits.choose(...exits.chosen);
+    const onButton = ["BUTTON", "A"].includes(target.tagName);
     if (event.key in KEYS) press(KEYS[event.key], true);
     else if (event.key in NUDGES) event.repeat || nudge(...NUDGES[event.key]);
     else if (event.key === " " && !onButton) {
@@ -483,8 +488,6 @@ function listen() {
       $("copied").textContent = text;
     }
   });
-  const again = () => (draw(), exits.draw());
-  stage(again);
   new ResizeObserver(again).observe(document.body);
   dark.addEventListener("change", again);
 }
