@@ -463,3 +463,21 @@ def test_between_walls_the_ball_is_slung_and_a_wall_that_comes_down_takes_it_alo
     shown.page.click("text=a second wall, above the ball")
     shown.until("() => !explorer.state().two")
     assert shown.pixels("strip") != quiet and "two" not in shown.link()
+
+
+@pytest.mark.parametrize(("canvas", "axes"), [("phase", "axes"), ("strip", "strip.axes")])
+def test_the_wheel_zooms_the_portrait_and_the_turns_of_the_strip(shown, address, canvas, axes):
+    shown.open(f"{address}#version=2&view=ball&columns=20&bins=20")
+    axes, ball = f"explorer.views.ball.{axes}", state(shown, "ball")
+    before, (x, y) = ends(shown, axes), place(shown, canvas, 0.6, 0.4)
+    under = at(shown, axes, x, y)
+    shown.page.mouse.move(x, y)
+    shown.page.mouse.wheel(0, -200)
+    shown.until(f"() => {axes}.x1 - {axes}.x0 < {0.9 * np.diff(before[0])[0]}")
+    if canvas == "phase":
+        np.testing.assert_allclose(at(shown, axes, x, y), under, atol=1e-3)
+        assert np.diff(ends(shown, axes)[1]) < 0.9 * np.diff(before[1])
+    shown.page.focus(f"#{canvas}")
+    shown.page.keyboard.press("0")
+    np.testing.assert_allclose(ends(shown, axes), before)
+    assert state(shown, "ball") == ball  # nothing was thrown

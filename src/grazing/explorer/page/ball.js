@@ -6,6 +6,7 @@ import { plainSymbol } from "./controls.js";
 import { Diagram } from "./diagram.js";
 import { Flight, flown } from "./flight.js";
 import { diagramOf, events, rowOf, valueOf } from "./flow.js";
+import { Gestures } from "./gestures.js";
 import { Here } from "./here.js";
 import { LAWS, fileOf, kicks, ownOf, plain, unit } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
@@ -27,6 +28,8 @@ const TURNS = 9;
 const ORBITS = 6;
 /** What of a state the past was drawn with. */
 const WALLS = /** @type {const} */ (["sigma", "omega", "two", "sigma_B", "cos_A", "sin_A"]);
+/** How narrow and how wide the portrait is seen at most, as shares of what it shows by itself. */
+const LEAST = 1e-6, MOST = 10;
 /** Columns and parts of the small diagram at most, and points of the ball's own in it. */
 const COLUMNS = 320, BINS = 260, VISITED = 6000;
 
@@ -40,6 +43,8 @@ export class BallView {
   /** @type {string | undefined} what is computed, undefined for nothing: then the ball begins anew */ key = undefined;
   /** Whether what is shown next is another thing: the ball does not go on in it. */ another = false;
   #walls = "";
+  /** @type {[number, number, number, number]} what the portrait shows, and a part that is looked at */ #whole = later();
+  /** @type {[number, number, number, number] | null} */ #part = null;
   /** @type {string | undefined} the small diagram */ #drawn = undefined;
   /** @type {string | undefined} where the ball is thrown, as text */ thrown = undefined;
   /** @type {string | undefined} where it was when it was last noted, as text: nobody threw it from there */ recorded = undefined;
@@ -84,6 +89,9 @@ export class BallView {
     this.playing = !matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.speed = 1;
     this.sling = new Sling(this);
+    const held = true, ready = () => Boolean(this.attractor && this.flight), redraw = () => this.draw();
+    this.gestures = new Gestures(this.axes, { held, ready, redraw, zoom: (x, y) => y && this.#look([...x, ...y]), zoomOut: () => this.#look(null) });
+    new Gestures(this.strip.axes, { held, ready, redraw, follows: () => true, zoom: ([from, to]) => this.strip.look(to - from, redraw), zoomOut: () => this.strip.look(0, redraw) });
     for (const canvas of [this.strip.axes.canvas, this.canvas]) canvas.addEventListener("keydown", (event) => {
       if (event.ctrlKey || event.metaKey || event.altKey) return;
       if (event.key === " ") this.play(!this.playing);
@@ -144,7 +152,10 @@ export class BallView {
     if (anew) this.search.forget();
     const which = machine.fields.indexOf(state.vary);
     this.search.ask("oscillator", machine, { row, which, value: row[which], transient: within(400, T), keep: within(64, T), seed: state.seed, tolerance: this.tolerance }, costOf(state));
-    if (another) this.visited = [];
+    if (another) {
+      this.visited = [];
+      this.#part = null;
+    }
     this.#diagram(anew);
     this.company.show(state);
     if (key === this.key && thrown === this.thrown && !another) return this.draw();
@@ -215,7 +226,17 @@ export class BallView {
   #fit() {
     const { row, begun: [u, v] } = this.flight, [x0, x1, y0, y1] = this.ends;
     const [a0, a1, b0, b1] = this.state.ball || this.lived ? this.#around(flown(this.machine, { ...this.model, row }, u, v, 3)) : this.ends;
-    this.axes.span(Math.min(x0, a0), Math.max(x1, a1), Math.min(y0, b0), Math.max(y1, b1));
+    this.#whole = [Math.min(x0, a0), Math.max(x1, a1), Math.min(y0, b0), Math.max(y1, b1)];
+    this.axes.span(...(this.#part ?? this.#whole));
+  }
+
+  /** Look at a part of the portrait, or at all of it; it is no more than ten times as wide. @param {[number, number, number, number] | null} part */
+  #look(part) {
+    const size = (/** @type {number} */ i) => part && (part[i + 1] - part[i]) / (this.#whole[i + 1] - this.#whole[i]);
+    if ([0, 2].some((i) => { const is = size(i); return is !== null && !(is > LEAST && is < MOST); })) return;
+    this.#part = part;
+    this.#fit();
+    this.draw();
   }
 
   /** Throw the ball from a state at the section. @param {number} u @param {number} v */
@@ -368,6 +389,7 @@ export class BallView {
     const time = `t = ${(this.begun[2] + this.now).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
     const [shift] = moved(state, this.begun[2] + this.now);
     portrait(axes, { low: state.sigma + shift, high: ceiling(state) + shift, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
+    this.gestures.draw(axes.context);
     this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], walls: state, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim });
     this.canvas.dataset.stage = this.strip.axes.canvas.dataset.stage = "done";
   }

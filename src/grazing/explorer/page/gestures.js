@@ -13,8 +13,8 @@ import { select, zoom, zoomIdentity } from "./d3.mjs";
 /**
  * `chosen` says what the arrows move, a number that is not finite for a direction in which nothing is chosen; `steps`,
  * in how many steps they cross the picture; `redraw` draws it with the selection; `follows` says whether the height follows what is drawn,
- * which a zoom to null leaves to it.
- * @typedef {{ready: () => boolean, redraw: () => void, pick?: (x: number, y: number) => Undo, follows?: () => boolean, zoom?: (x: Pair, y: Pair | null) => void, zoomOut?: () => void, chosen?: () => Pair, steps?: () => Pair}} Answers
+ * which a zoom to null leaves to it; `held`, that a drag is not the picture's.
+ * @typedef {{held?: boolean, ready: () => boolean, redraw: () => void, pick?: (x: number, y: number) => Undo, follows?: () => boolean, zoom?: (x: Pair, y: Pair | null) => void, zoomOut?: () => void, chosen?: () => Pair, steps?: () => Pair}} Answers
  */
 
 /** A drag shorter than this is a click; one flatter or narrower than `FLAT` chooses along its long side only. */
@@ -66,7 +66,7 @@ export class Gestures {
       // one finger scrolls the page, or drags the line
       .filter((event) => {
         if (event.touches?.length > 1) this.#held = false; // with a second finger the first one drags no line
-        return answers.ready() && !event.button && !this.#held && !event.shiftKey && !(event.touches?.length < 2);
+        return answers.ready() && !(answers.held && event.type === "mousedown") && !event.button && !this.#held && !event.shiftKey && !(event.touches?.length < 2);
       })
       .on("start", ({ sourceEvent }) => {
         [x, y] = [onScreen(axes.x), onScreen(axes.y)];

@@ -41,11 +41,11 @@ function path(axes, c, { times, u, v, hits }) {
 export function portrait(axes, { low, high, orbits, colour, trail, place: [u, v], flash, playing, twin, aim }) {
   const c = axes.begin();
   const shown = theme();
-  const { x: left, y: top, w, h } = axes.box, faces = [axes.x(low), Math.min(axes.x(high), left + w)];
-  c.fillStyle = shown.wall;
-  c.fillRect(left, top, faces[0] - left, h);
-  c.fillRect(faces[1], top, left + w - faces[1], h);
+  const { x: left, y: top, w, h } = axes.box, faces = [Math.max(axes.x(low), left - 9), Math.min(axes.x(high), left + w + 9)]; // one that is not seen is beside
   axes.inside(() => {
+    c.fillStyle = shown.wall;
+    c.fillRect(left - 9, top, faces[0] - left + 9, h);
+    c.fillRect(faces[1], top, left + w + 9 - faces[1], h);
     c.strokeStyle = shown.line;
     c.beginPath();
     c.moveTo(axes.box.x, axes.y(0));
@@ -72,49 +72,51 @@ export function portrait(axes, { low, high, orbits, colour, trail, place: [u, v]
     }
     c.globalAlpha = 1;
   });
-  // the bumper, and the impacts of the last moment
-  c.fillStyle = shown.faint;
-  c.fillRect(faces[0] - 3, top, 3, h);
-  if (Number.isFinite(high)) c.fillRect(faces[1], top, 3, h);
-  const now = performance.now();
-  for (const each of flash) {
-    const age = (now - each.at) / 600, wall = axes.x(each.place);
-    if (age > 1 && playing) continue;
-    c.globalAlpha = playing ? 1 - age : 0.8;
-    c.strokeStyle = c.fillStyle = shown.graze;
-    c.lineWidth = 2;
-    for (const velocity of [each.before, each.after]) {
+  axes.inside(() => {
+    // the bumper, and the impacts of the last moment
+    c.fillStyle = shown.faint;
+    c.fillRect(faces[0] - 3, top, 3, h);
+    if (Number.isFinite(high)) c.fillRect(faces[1], top, 3, h);
+    const now = performance.now();
+    for (const each of flash) {
+      const age = (now - each.at) / 600, wall = axes.x(each.place);
+      if (age > 1 && playing) continue;
+      c.globalAlpha = playing ? 1 - age : 0.8;
+      c.strokeStyle = c.fillStyle = shown.graze;
+      c.lineWidth = 2;
+      for (const velocity of [each.before, each.after]) {
+        c.beginPath();
+        c.arc(wall, axes.y(velocity), 4 + (playing ? 10 * age : 0), 0, 7);
+        c.stroke();
+      }
+      c.setLineDash([3, 3]);
       c.beginPath();
-      c.arc(wall, axes.y(velocity), 4 + (playing ? 10 * age : 0), 0, 7);
+      c.moveTo(wall, axes.y(each.before));
+      c.lineTo(wall, axes.y(each.after));
+      c.stroke();
+      c.setLineDash([]);
+      if (age < 0.4 && playing) c.fillRect(each.wall ? faces[1] : faces[0] - 5, top, 5, h);
+      c.globalAlpha = 1;
+    }
+    if (aim) {
+      c.strokeStyle = shown.accent;
+      c.lineWidth = 2;
+      c.setLineDash([5, 4]);
+      path(axes, c, aim.flight);
+      c.setLineDash([]);
+    }
+    c.fillStyle = aim ? shown.accent : colour;
+    c.beginPath();
+    c.arc(axes.x(aim ? aim.u : u), axes.y(aim ? aim.v : v), aim ? 8 : 5, 0, 7);
+    c.fill();
+    if (twin && !aim) {
+      c.strokeStyle = shown.accent;
+      c.lineWidth = 2.5;
+      c.beginPath();
+      c.arc(axes.x(twin[0]), axes.y(twin[1]), 5, 0, 7);
       c.stroke();
     }
-    c.setLineDash([3, 3]);
-    c.beginPath();
-    c.moveTo(wall, axes.y(each.before));
-    c.lineTo(wall, axes.y(each.after));
-    c.stroke();
-    c.setLineDash([]);
-    if (age < 0.4 && playing) c.fillRect(each.wall ? faces[1] : faces[0] - 5, top, 5, h);
-    c.globalAlpha = 1;
-  }
-  if (aim) axes.inside(() => {
-    c.strokeStyle = shown.accent;
-    c.lineWidth = 2;
-    c.setLineDash([5, 4]);
-    path(axes, c, aim.flight);
-    c.setLineDash([]);
   });
-  c.fillStyle = aim ? shown.accent : colour;
-  c.beginPath();
-  c.arc(axes.x(aim ? aim.u : u), axes.y(aim ? aim.v : v), aim ? 8 : 5, 0, 7);
-  c.fill();
-  if (twin && !aim) {
-    c.strokeStyle = shown.accent;
-    c.lineWidth = 2.5;
-    c.beginPath();
-    c.arc(axes.x(twin[0]), axes.y(twin[1]), 5, 0, 7);
-    c.stroke();
-  }
   axes.frame("u", "v");
   named(axes, c, orbits);
 }

@@ -12,7 +12,7 @@ export const HINTS = {
   oscillator: `${CHOOSE} Shaded windows are those that the normal form predicts; dotted: the graze.`,
   "oscillator-two": `${CHOOSE} The letters of a word are the walls that are hit, A below and B above.`,
   "oscillator-moving": CHOOSE,
-  ball: "Take the ball and pull: it flies the other way. In the portrait put it where it shall begin. Drag the line in the diagram, which the wheel or two fingers zoom, or the slider whose track has its colours. Keys: Space pauses, S steps, arrows aim and Enter throws. The faint curve is what most random starts settle on; the dots in the diagram are where this ball was at the section.",
+  ball: "Take the ball and pull: it flies the other way. In the portrait put it where it shall begin. Drag the line in the diagram, or the slider whose track has its colours. The wheel or two fingers zoom each picture. Keys: Space pauses, S steps, arrows aim, Enter throws, 0 shows all. The faint curve is what most random starts settle on; the dots in the diagram are where this ball was at the section.",
   map: `${CHOOSE} Beside it drag the start, and step from it.`,
   "chart-gap": CHART,
   "chart-oscillator": CHART,

@@ -12,14 +12,16 @@ export class Sling {
   /** @type {Aim | null} */ aim = null;
   /** Where the pointer took the ball in the strip, and the height there. @type {{x: number, y: number, u: number, pen: number} | null} */ #taken = null;
 
+  #pointer = 0;
+
   /** @param {import("./ball.js").BallView} view */
   constructor(view) {
     this.view = view;
     for (const axes of [view.axes, view.strip.axes]) {
       const { canvas } = axes;
       canvas.addEventListener("pointerdown", (event) => {
-        if (event.button || !event.isPrimary || !view.state || !this.#takes(event, axes)) return;
-        canvas.setPointerCapture(event.pointerId);
+        if (event.button || event.shiftKey || !event.isPrimary || !view.state || !this.#takes(event, axes)) return;
+        canvas.setPointerCapture((this.#pointer = event.pointerId));
         canvas.focus({ preventScroll: true });
         this.#drag(event, axes);
       });
@@ -29,7 +31,11 @@ export class Sling {
       canvas.addEventListener("keydown", (event) => this.#key(event));
       canvas.addEventListener("blur", () => this.#stop()); // no ball hangs in the air while the hand is elsewhere
       // a finger that takes the ball does not scroll the page
-      canvas.addEventListener("touchstart", (event) => event.touches.length === 1 && this.#grips(event.touches[0], axes) && event.preventDefault(), { passive: false });
+      canvas.addEventListener("touchstart", (event) => {
+        if (event.touches.length === 1) return this.#grips(event.touches[0], axes) && event.preventDefault();
+        if (canvas.hasPointerCapture(this.#pointer)) canvas.releasePointerCapture(this.#pointer); // two fingers zoom
+        this.#stop();
+      }, { passive: false });
     }
   }
 

@@ -14,6 +14,8 @@ import { moved, swing } from "./walls.js";
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
 const TURN = 84, RIGHT = 108, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
+/** Turns of the forcing that are seen at least and at most: those remembered. */
+const LEAST = 0.5, MOST = 9;
 /** A height of the picture that has no room for the force. */
 const LOW = 240;
 /** What is left in the next frame of room that is no more needed. */
@@ -25,10 +27,17 @@ const FONT = "system-ui, sans-serif";
 export class Strip {
   /** Where the ball was drawn last, in CSS pixels. */ ball = [0, 0];
   /** How high the picture reached last. */ #top = 0;
+  /** Turns of the forcing that a hand has asked for, 0 for as many as there is room for. */ #turned = 0;
 
   /** @param {HTMLElement | null} canvas */
   constructor(canvas) {
     this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30 });
+  }
+
+  /** Show so many turns of the forcing. @param {number} turns 0 for as many as there is room for @param {() => void} redraw */
+  look(turns, redraw) {
+    this.#turned = turns && Math.min(Math.max(turns, LEAST), MOST);
+    redraw();
   }
 
   /** @param {Scene} given */
@@ -37,7 +46,7 @@ export class Strip {
     axes.margin.bottom = WORD + BALL + (low ? 8 : FORCE + 22);
     const c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
     const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
-    const turns = Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
+    const turns = this.#turned || Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
     const bottom = scene.walls.sigma - swing(scene.walls), top = this.#reach(scene, last - turns);
     // under a ceiling there is room for it and for the ball
     const above = scene.walls.two ? (CEILING / Math.max(1, box.h - CEILING)) * (top - bottom) : 0;
