@@ -31,6 +31,8 @@ export function typeset(element, text) {
 }
 
 let count = 0;
+/** So many pixels a finger goes across a slider before it may go up in fine steps. */
+const ACROSS = 8;
 /** Steps of a slider by a key in its length; a fine step, by a key with Shift or a pixel up, is a part of one. */
 const STEPS = 500, FINE = 10;
 /** A number typed is taken after so many milliseconds without a key, up to so many lengths of the slider beyond its ends; farther away by Enter, or on leaving the field. */
@@ -82,10 +84,15 @@ export function slider(field, [low, high], change, problem) {
     number.removeAttribute("aria-invalid");
     change(value);
   };
-  /** Where a pointer took the slider, and the value that it stands for across, without what it has moved up. @type {{y: number, across: number, up: number} | null} */
+  /**
+   * Where a pointer took the slider, and the value that it stands for across, without what it has moved up. A finger that goes up at once scrolls:
+   * until it has gone across from x it has not moved up.
+   * @type {{x: number, y: number, across: number, up: number} | null}
+   */
   let held = null;
   const lift = (/** @type {PointerEvent} */ event) => {
-    if (!held) return;
+    if (!held || Math.abs(event.clientX - held.x) < ACROSS) return;
+    if (!Number.isNaN(held.x)) [held.x, held.y] = [NaN, event.clientY];
     held.up = Math.round(held.y - event.clientY);
     slide(held.across + held.up * fine(), fine());
   };
@@ -94,8 +101,8 @@ export function slider(field, [low, high], change, problem) {
     removeEventListener("pointermove", lift);
   };
   range.addEventListener("pointerdown", (event) => {
-    if (event.button || event.pointerType === "touch") return; // a finger that goes up scrolls
-    held = { y: event.clientY, across: seen, up: 0 };
+    if (event.button) return;
+    held = { x: event.pointerType === "touch" ? event.clientX : NaN, y: event.clientY, across: seen, up: 0 };
     addEventListener("pointermove", lift);
     for (const end of ["pointerup", "pointercancel"]) addEventListener(end, () => setTimeout(leave), { once: true });
   });
