@@ -122,9 +122,7 @@ def test_balls_part_where_orbits_are_chaotic(shown, address):
     apart = f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])"
     shown.until(f"{apart} > {0.3 * height}")  # it is seen
     shown.until(f"() => {BALL}.company.rate.turns >= 60")
-    shown.until(
-        "() => document.getElementById('rate').textContent.includes('and was put beside the ball again')"
-    )
+    shown.until("() => document.getElementById('rate').textContent.includes('and was put beside the ball again')")
     assert re.search(r"Near balls part: λ = 0\.\d+ a push, over the next \d+ pushes", shown.page.inner_text("#rate"))
 
 
