@@ -4,9 +4,10 @@ from math import cos, pi, sin
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import grazing as gz
-from grazing.billiard import check
+from grazing.billiard import check, turning
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.flippers import AT_TIP, LONG, row_of
 from grazing.billiard.flown import FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
@@ -46,6 +47,29 @@ def test_no_built_graze_of_a_flipper_is_missed_and_none_is_seen_that_is_not():
     missed, false, left, exactly = count_grazes(200, 0)
     assert (missed, false, left) == (0, 0, 0)
     assert exactly < 40  # most are decided in doubles
+
+
+@pytest.mark.parametrize(("omega", "most"), [(0.0, 1), (5.0, 4), (-14.0, 5)])
+def test_a_landing_takes_few_looks(monkeypatch, omega, most, count=40):
+    """Its root is that of a search without derivatives; it ends where a gap is within its rounding."""
+    random, reach, landed = np.random.default_rng(9), 0.04, 0
+    row = row_of({"x": 0.0, "y": 0.0, "length": 1.0, "hub": 0.2, "tip": 0.1}, 0.1, 0.0, 0.0, 0.0)
+    looks = []
+    monkeypatch.setattr(turning, "look", lambda *args: looks.append(args) or look(*args))
+    while landed < count:
+        x, y, vx, vy = random.uniform((0.1, 0.31, -1.0, -4.0), (0.9, 0.4, 1.0, -2.0))
+        how = (x, y, vx, vy, 1.0, x, y), 0, row, 0.0, (0.0, 1.0, 0.0, omega)
+
+        def gap(t, how=how):
+            return look(t, *how)[0]
+
+        if not (gap(0.0)[0] > 0.0 > gap(reach)[0] and max(gap(t)[1] for t in np.linspace(0.0, reach, 40)) < 0.0):
+            continue
+        looks.clear()
+        t = turning.landing(*gap(0.0), 1.0, 0.0, reach, *how)
+        assert len(looks) <= most
+        assert abs(t - brentq(lambda t, gap=gap: gap(t)[0], 0.0, reach, xtol=1e-17, rtol=1e-15)) < 1e-15
+        landed += 1
 
 
 @pytest.mark.long

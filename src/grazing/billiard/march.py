@@ -270,15 +270,24 @@ def of_flippers(
 ) -> Any:  # fmt: skip
     """Return the first contact with a flipper but for its hub, or what was found before that."""
     for i in range(flippers):
-        row = behind(rows, FLIPPER_WIDTH * i)
-        left = last - KINDS * i
-        if left >= KINDS:
-            left = -1
-        end = found[1] + found[2]
-        kind, t, late, said = of_flipper(x, y, vx, vy, g, left, slid, clock, row, behind(rows, int(row[AT])), end)
-        if said & STOP:
-            return ended(found, base + KINDS * i + kind, t, said)
-        found = found[0], found[1], found[2], found[3], found[4] | said
-        if t < INFINITY:
-            found = nearer(found, base + KINDS * i + kind, row[OWNER], t, late)
+        found = of_one_flipper(found, x, y, vx, vy, g, last - KINDS * i, slid, base + KINDS * i, clock, i, rows)
+        if found[4] & STOP:
+            break
+    return found
+
+
+@inlined
+def of_one_flipper(
+    found: Any, x: float, y: float, vx: float, vy: float, g: float, left: int, slid: float, base: int, clock: float,
+    i: int, rows: Any,
+) -> Any:  # fmt: skip
+    """Return the first contact with flipper i, or what was found before; ``left`` is its surface just left, if one."""
+    row, left = behind(rows, FLIPPER_WIDTH * i), left if left < KINDS else -1
+    end = found[1] + found[2]
+    kind, t, late, said = of_flipper(x, y, vx, vy, g, left, slid, clock, row, behind(rows, int(row[AT])), end)
+    if said & STOP:
+        return ended(found, base + kind, t, said)
+    found = found[0], found[1], found[2], found[3], found[4] | said
+    if t < INFINITY:
+        found = nearer(found, base + kind, row[OWNER], t, late)
     return found

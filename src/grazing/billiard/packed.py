@@ -11,6 +11,9 @@ from typing import Any
 
 from grazing.billiard.contact import flight_to, is_slow, jammed, may_settle, next_impact, takes_no_time
 from grazing.billiard.faces import guess, met_side, of_face, passes
+from grazing.billiard.flippers import FLIPPER_WIDTH, KINDS, REACH
+from grazing.billiard.flippers import PX as PIVOT_X
+from grazing.billiard.flippers import PY as PIVOT_Y
 from grazing.billiard.gaps import (
     EPS,
     GAP,
@@ -26,7 +29,7 @@ from grazing.billiard.gaps import (
     nearer_root,
 )
 from grazing.billiard.hit import at_circle, at_line, coming, first_turning, flown, going, is_open, rows_of, struck
-from grazing.billiard.march import LEAST, MOST, of_flippers, of_sides
+from grazing.billiard.march import LEAST, MOST, of_one_flipper, of_sides
 from grazing.billiard.rows import (
     CIRCLES,
     EX,
@@ -70,10 +73,13 @@ def contacts(w: Any, width: int, table: Any) -> None:
     around = behind(rows, WIDTH * faces)
     pairs = of_all_circles(w, width, 2 * faces, circles, around, g)
     nearest(w, width, 2 * faces, circles, pairs, around, g)
-    if table[SIDES] + table[FLIPPERS] > 0.0:
+    beyond = behind(around, WIDTH * circles)
+    if table[SIDES] > 0.0:
         for i in range(width):
             if not w[W.DOUBT + i] > 0.0:
-                of_others(w, i, faces, circles, rows, around, surfaces, g, table)
+                of_arcs(w, i, faces, circles, rows, beyond, g, table)
+    if table[FLIPPERS] > 0.0:
+        of_all_flippers(w, width, surfaces, int(table[FLIPPERS]), behind(beyond, WIDTH * int(table[SIDES])), g)
     of_other_faces(w, width, faces, circles, rows, g)
 
 
@@ -88,17 +94,43 @@ def padded_contacts(w: Any, n: int, table: Any) -> None:
 
 
 @inlined
-def of_others(
-    w: Any, i: int, faces: int, circles: int, rows: Any, around: Any, surfaces: int, g: float, table: Any
-) -> None:  # fmt: skip
-    """Meet arcs and flippers, ball by ball."""
+def of_arcs(w: Any, i: int, faces: int, circles: int, rows: Any, beyond: Any, g: float, table: Any) -> None:
+    """Meet sides of arcs, ball by ball."""
     x, y, vx, vy, sides = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], int(table[SIDES])
-    found = int(w[W.SURFACE + i]), w[W.TIME + i], w[W.LATE + i], w[W.WHO + i], OK
-    beyond = behind(around, WIDTH * circles)
-    found = of_sides(found, x, y, vx, vy, g, int(w[W.LAST + i]), -1, False, faces, circles, sides, beyond, rows)
-    if found[4] == OK:
-        turns, beyond = int(w[W.LEFT + i]) - surfaces, behind(beyond, WIDTH * sides)
-        found = of_flippers(found, x, y, vx, vy, g, turns, 0.0, surfaces, w[W.CLOCK + i], int(table[FLIPPERS]), beyond)
+    last = int(w[W.LAST + i])
+    found = of_sides(found_of(w, i), x, y, vx, vy, g, last, -1, False, faces, circles, sides, beyond, rows)
+    put_found(w, i, found)
+
+
+@inlined
+def of_all_flippers(w: Any, width: int, surfaces: int, flippers: int, rows: Any, g: float) -> None:
+    """Meet flippers, ball by ball, those balls that may come into the circle in which a flipper is met."""
+    far = 0.0
+    for f in range(flippers):
+        row = behind(rows, FLIPPER_WIDTH * f)
+        far = max(far, abs(row[PIVOT_X]) + abs(row[PIVOT_Y]) + row[REACH])
+    bounds(w, width, far, g)
+    for f in range(flippers):
+        row, first = behind(rows, FLIPPER_WIDTH * f), surfaces + KINDS * f
+        for b in range(0, width, 8):
+            near(w, b, row[PIVOT_X], row[PIVOT_Y], row[REACH], -2.0, g)
+        for i in range(width):
+            left = int(w[W.LEFT + i]) - first
+            if (w[W.ONE + i] > 0.0 or (left >= 0 and left < KINDS)) and not w[W.DOUBT + i] > 0.0:
+                x, y, vx, vy = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i]
+                found, clock = found_of(w, i), w[W.CLOCK + i]
+                put_found(w, i, of_one_flipper(found, x, y, vx, vy, g, left, 0.0, first, clock, f, rows))
+
+
+@inlined
+def found_of(w: Any, i: int) -> Any:
+    """Return what is found of a ball, as :func:`grazing.billiard.march.first_contact` has it."""
+    return int(w[W.SURFACE + i]), w[W.TIME + i], w[W.LATE + i], w[W.WHO + i], OK
+
+
+@inlined
+def put_found(w: Any, i: int, found: Any) -> None:
+    """Put down what is found of a ball."""
     w[W.SURFACE + i], w[W.TIME + i] = 1.0 * found[0], found[1]
     w[W.LATE + i], w[W.WHO + i] = found[2], found[3]
     w[W.DOUBT + i] = 1.0 if found[4] != OK else 0.0
@@ -217,11 +249,8 @@ def of_other_faces(w: Any, width: int, faces: int, circles: int, rows: Any, g: f
         for i in range(width):
             if w[W.ONE + i] > 0.0 and not w[W.DOUBT + i] > 0.0:
                 x, y, vx, vy, last = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], int(w[W.LAST + i])
-                found = int(w[W.SURFACE + i]), w[W.TIME + i], w[W.LATE + i], w[W.WHO + i], OK
-                found = of_face(found, x, y, vx, vy, g, last, False, f, faces, circles, rows)
-                w[W.SURFACE + i], w[W.TIME + i] = 1.0 * found[0], found[1]
-                w[W.LATE + i], w[W.WHO + i] = found[2], found[3]
-                w[W.DOUBT + i] = 1.0 if found[4] != OK else 0.0
+                found = of_face(found_of(w, i), x, y, vx, vy, g, last, False, f, faces, circles, rows)
+                put_found(w, i, found)
 
 
 @inlined
@@ -286,14 +315,7 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
     for c in range(circles):
         row = behind(rows, WIDTH * c)
         far = max(far, abs(row[PX]) + abs(row[PY]) + row[SIZE])
-    for k in range(width):
-        i = eights(k)
-        vx, vy, end = w[W.VX + i], w[W.VY + i], w[W.TIME + i] + w[W.LATE + i]
-        fast, least = vx * vx + vy * vy, lowest(-g * vy, 0.25 * g * g, end)
-        w[W.PART + i], w[W.STEP + i], w[W.END + i], w[W.FIRST + i] = fast + least, end, end, -1.0
-        reach = abs(w[W.X + i]) + abs(w[W.Y + i]) + far
-        w[W.FALL + i] = 2.0 * GAP * EPS * reach * (abs(vx) + abs(vy))
-        w[W.BEND + i] = fast + least - 2.0 * GAP * EPS * (3.0 * fast - least + g * reach)
+    bounds(w, width, far, g)
     n = 0
     for c in range(circles):
         row = behind(rows, WIDTH * c)
@@ -305,6 +327,19 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
     for first in range(0, n, LANES):
         first_steps(w, first, min(LANES, n - first), steps, base, rows, g)
     return n
+
+
+@inlined
+def bounds(w: Any, width: int, far: float, g: float) -> None:
+    """Set what :func:`near` asks for of each ball, for circles no part of which is further away than ``far``."""
+    for k in range(width):
+        i = eights(k)
+        vx, vy, end = w[W.VX + i], w[W.VY + i], w[W.TIME + i] + w[W.LATE + i]
+        fast, least = vx * vx + vy * vy, lowest(-g * vy, 0.25 * g * g, end)
+        w[W.PART + i], w[W.STEP + i], w[W.END + i], w[W.FIRST + i] = fast + least, end, end, -1.0
+        reach = abs(w[W.X + i]) + abs(w[W.Y + i]) + far
+        w[W.FALL + i] = 2.0 * GAP * EPS * reach * (abs(vx) + abs(vy))
+        w[W.BEND + i] = fast + least - 2.0 * GAP * EPS * (3.0 * fast - least + g * reach)
 
 
 @inlined

@@ -83,7 +83,7 @@ def piece_at(t: float, phase: float, row: Any, pieces: Any) -> Any:
 def direction_at(t: float, begin: float, piece: Any) -> Any:
     """Return (x, y, angle turned): the direction of a flipper at a time of a flight, in a piece of its motion."""
     cx, cy = piece[CX], piece[CY]
-    if piece[OMEGA] == 0.0:
+    if piece[OMEGA] == 0.0 or t == begin:
         return cx, cy, 0.0
     turned = piece[OMEGA] * (t - begin)
     s, c = sincos(turned)
@@ -155,36 +155,41 @@ def longest(low: float, fall: float, k: float, at: Any, g: float, kind: int, row
     return step
 
 
-def landing(h: float, dh: float, sign: float, t: float, reach: float, flight: Any, kind: int, row: Any, begin: float,
-            piece: Any) -> float:  # fmt: skip
-    """Return the root in [0, reach] of a gap at t + s, in which it falls throughout."""
-    a, b, s = 0.0, reach, 0.0
+def landing(h: float, dh: float, k: float, sign: float, t: float, reach: float, flight: Any, kind: int, row: Any,
+            begin: float, piece: Any) -> float:  # fmt: skip
+    """Return the root in [0, reach] of a gap at t + s, in which it falls throughout.
+
+    The first guess is that of its second derivative now; a gap within its rounding is good for one more step.
+    """
+    a, b, D = 0.0, reach, dh * dh - 4.0 * k * h
+    s = min(2.0 * h / (sqrt(D) - dh), b) if D > 0.0 else 0.0
     for _ in range(ROOTS):
-        new = s - h / dh if dh < 0.0 else 0.5 * (a + b)
-        if not a <= new <= b:
-            new = 0.5 * (a + b)
-        if abs(new - s) <= 2.0 * EPS * s or not a < b:
-            return new
-        s = new
-        (h, dh, _k), _errors, _at = look(t + s, flight, kind, row, begin, piece)
+        (h, dh, _k), (e, _d, _b), _at = look(t + s, flight, kind, row, begin, piece)
         h, dh = sign * h, sign * dh
         if h > 0.0:
             a = s
         else:
             b = s
+        new = s - h / dh if dh < 0.0 else 0.5 * (a + b)
+        if not a <= new <= b:
+            new = 0.5 * (a + b)
+        if abs(h) <= e or abs(new - s) <= 2.0 * EPS * s or not a < b:
+            return new
+        s = new
     return s
 
 
 def turned(
-    flight: Any, kind: int, row: Any, begin: float, piece: Any, sign: float, start: float, fresh: bool, end: float
+    seen: Any, flight: Any, kind: int, row: Any, begin: float, piece: Any, sign: float, start: float, fresh: bool,
+    end: float,
 ) -> Any:  # fmt: skip
     """Return (t, late, flags): when sign times a gap first comes down to 0 after ``start``, good to ``late``.
 
-    As :func:`grazing.billiard.gaps.crossing`, in one piece of a flipper's motion.
+    As :func:`grazing.billiard.gaps.crossing`, in one piece of a flipper's motion; ``seen`` is the look at ``start``.
     """
     t, doubt, flags, omega, g = start, INFINITY, OK, piece[OMEGA], flight[4]
     for _ in range(LOOKS):
-        (h, dh, bend), (e, d, b), at = look(t, flight, kind, row, begin, piece)
+        (h, dh, bend), (e, d, b), at = seen
         h, dh, bend, w = sign * h, sign * dh, sign * bend, end - t
         if not (e < INFINITY and b < INFINITY):
             return t, 0.0, flags | DIVERGED
@@ -202,7 +207,7 @@ def turned(
                 D = rate * rate - 4.0 * most * up
                 reach = 2.0 * up / (sqrt(D) - rate) if up > 0.0 and D > 0.0 else INFINITY
                 if up <= 0.0 or reach <= near:
-                    s = landing(h, dh, sign, t, reach, flight, kind, row, begin, piece) if h > 0.0 else 0.0
+                    s = landing(h, dh, bend, sign, t, reach, flight, kind, row, begin, piece) if h > 0.0 else 0.0
                     return t + s, (e + d * near) / -rate + 4.0 * EPS * t, flags
         step = longest(low, fall, bend - b, at, g, kind, row, omega, w) * (1.0 - GAP * EPS) - 2.0 * EPS * t
         if step >= w * (1.0 - 2.0 * GAP * EPS) - 4.0 * EPS * t:
@@ -221,6 +226,7 @@ def turned(
                 if t + step >= end:
                     return INFINITY, 0.0, flags
         t, fresh = t + step, False
+        seen = look(t, flight, kind, row, begin, piece)
     return t, 0.0, flags | TOO_MANY_SWINGS
 
 
@@ -232,12 +238,14 @@ def at_surface(
     A crossing of the line of a side beyond its ends is none: the ball is then behind the line, until it comes back.
     """
     flags, outside = OK, True
-    (h, dh, k), (e, d, b), _at = look(start, flight, kind, row, begin, piece)
+    seen = look(start, flight, kind, row, begin, piece)
+    (h, dh, k), (e, d, b), _at = seen
     if fresh:
         if rests(dh, k, e):
             return start, 0.0, TOO_MANY_IMPACTS if piece[OMEGA] != 0.0 and kind == AT_TIP else STUCK
         if piece[OMEGA] != 0.0 and k > b and abs(dh) <= d:  # it moves away, if as fast as nothing at first
             start, fresh = clear_until(flight, kind, row, begin, piece, end), False
+            seen = look(start, flight, kind, row, begin, piece)
         elif dh < -d or (dh <= 0.0 and k <= 0.0):  # it has begun to move towards the ball
             return start, e / max(-dh, d), OK
     if kind == AT_TIP and piece[OMEGA] == 0.0:
@@ -248,7 +256,7 @@ def at_surface(
         outside = h >= -e
     t = start
     for _ in range(LOOKS):
-        t, late, said = turned(flight, kind, row, begin, piece, 1.0 if outside else -1.0, t, fresh, end)
+        t, late, said = turned(seen, flight, kind, row, begin, piece, 1.0 if outside else -1.0, t, fresh, end)
         flags |= said
         if t == INFINITY or said & FATAL or kind == AT_TIP:
             return t, late, flags
@@ -258,6 +266,7 @@ def at_surface(
             if foot >= -unsure and foot <= row[LONG] + unsure:
                 return t, late, flags
         outside, fresh = not outside, True
+        seen = look(t, flight, kind, row, begin, piece)
     return t, 0.0, flags | TOO_MANY_SWINGS
 
 
