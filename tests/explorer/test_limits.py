@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from tests.explorer.browser import LOADED
+from tests.explorer.browser import FEW, LOADED
 
 
 @pytest.fixture
@@ -327,6 +327,7 @@ def test_fields_that_are_seen_have_names_of_their_own(shown, address):
 
 def test_the_tour_keeps_the_focus_and_ends_with_its_view(shown, address):
     shown.open(f"{address}#version=2&view=ball&tour=10&columns=20")
+    shown.page.evaluate(FEW)
     shown.page.focus("#next")
     shown.page.keyboard.press("Enter")
     shown.until("() => explorer.state().tour === 11 && document.activeElement.id === 'back'")
