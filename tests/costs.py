@@ -3,12 +3,13 @@
     GRAZING_COSTS=FOLDER python -m pytest -p tests.costs -n 2 ...
     python -m tests.costs FOLDER
 
-Each process writes what it used: collection, each test with its own time, that of the processes it started and waited
-for, and each compilation. Seconds are those of a processor, not of a clock.
+Each process writes what it used: collection, each test with its own time, that of the processes it started, a browser's
+included, and each compilation. Seconds are those of a processor, not of a clock.
 """
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import resource
@@ -21,8 +22,6 @@ from typing import Any
 
 import pytest
 
-from tests import processes
-
 FOLDER = os.environ.get("GRAZING_COSTS")
 
 
@@ -32,7 +31,24 @@ def own() -> float:
 
 def others() -> float:
     used = resource.getrusage(resource.RUSAGE_CHILDREN)
-    return used.ru_utime + used.ru_stime + processes.used[0]
+    return used.ru_utime + used.ru_stime + running()
+
+
+def running() -> float:
+    """Return what processes that still run have used, with those they waited for: a browser, and its pages."""
+    parents, ticks = {}, {}
+    for stat in Path("/proc").glob("[0-9]*/stat"):  # none but on Linux
+        with contextlib.suppress(OSError):  # it has ended
+            said = stat.read_text().rpartition(")")[2].split()
+            parents[int(stat.parent.name)] = int(said[1])
+            ticks[int(stat.parent.name)] = sum(map(int, said[11:15]))
+    ours, of = 0, os.getpid()
+    for pid in parents:
+        above = parents[pid]
+        while above in parents and above != of:
+            above = parents[above]
+        ours += ticks[pid] if above == of else 0
+    return ours / os.sysconf("SC_CLK_TCK")
 
 
 class Costs:
@@ -100,7 +116,8 @@ def pytest_runtest_protocol(item: pytest.Item, nextitem: pytest.Item | None) -> 
     """Note what a test took, with its fixtures."""
     before = own(), others(), costs.compiled
     result = yield
-    costs.tests.append((item.nodeid, own() - before[0], others() - before[1], costs.compiled - before[2]))
+    waited = max(0.0, others() - before[1])  # what was ended without being waited for is no longer seen
+    costs.tests.append((item.nodeid, own() - before[0], waited, costs.compiled - before[2]))
     return result
 
 

@@ -28,7 +28,8 @@ GO = """(link) => new Promise((done) => {
 })"""
 
 #: Takes back what hands have done beside the link: details, a ball that stands or is fast, sound, focus, what was said.
-REST = """() => {
+REST = """async () => {
+  if (globalThis.many) Object.assign((await import("./state.js")).DEFAULTS, globalThis.many);
   const { ball } = explorer.views, { matches: calm } = matchMedia("(prefers-reduced-motion: reduce)");
   if (ball && ball.playing === calm) document.getElementById("play").click();
   if (ball?.sound.on) document.getElementById("sound").click();
@@ -43,6 +44,14 @@ REST = """() => {
 }"""
 #: Leaves the picture of exits at its first side: the two finer ones are 80 times as many launches.
 COARSE = """async () => { (await import("./exits.js")).SIDES.length = 1; }"""
+#: Makes small what links leave to the defaults, where the page goes to whole scenes by itself; REST takes it back.
+FEW = """async () => {
+  const { DEFAULTS } = await import("./state.js");
+  const few = { columns: 40, bins: 40, flow_starts: 2, flow_transient: 60, flow_keep: 40 };
+  Object.assign(few, { chart_columns: 12, chart_rows: 10 });
+  globalThis.many = Object.fromEntries(Object.keys(few).map((name) => [name, DEFAULTS[name]]));
+  Object.assign(DEFAULTS, few);
+}"""
 #: The view that computes and moves least.
 STILL = "#version=2&view=edges"
 

@@ -21,7 +21,7 @@ BALL = "explorer.views.ball"
 CHAOTIC = "alpha=0.2&omega=2.6&offset=0.14&V=0.1"
 
 
-def faster(shown, speed=12):
+def faster(shown, speed=60):
     shown.page.evaluate(f"() => {{ {BALL}.speed = {speed}; }}")
 
 

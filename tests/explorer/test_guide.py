@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from tests.explorer.browser import FEW
 
 
 @pytest.fixture
@@ -143,8 +144,8 @@ ENDS = """() => [...document.querySelectorAll('.view canvas')].filter(c => c.off
 
 
 def test_every_question_is_answered_by_a_picture(shown, address, tour):
-    small = "columns=20&bins=20&flow_starts=2&flow_transient=60&flow_keep=40&chart_columns=12&chart_rows=10"
-    shown.open(f"{address}#version=2&view=ball&offset=0.13&{small}")
+    shown.open(f"{address}#version=2&view=ball&offset=0.13&columns=20&bins=20")
+    shown.page.evaluate(FEW)
     shown.page.click("#tour")
     shown.page.evaluate(
         "() => { const { diagram } = explorer.views.ball, { show } = diagram; explorer.computed = 0; "

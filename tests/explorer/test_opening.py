@@ -28,7 +28,7 @@ def letters(shown):
 
 
 def faster(shown):
-    shown.page.evaluate(f"() => {{ {BALL}.speed = 12; }}")
+    shown.page.evaluate(f"() => {{ {BALL}.speed = 60; }}")
 
 
 def turn(shown, value):

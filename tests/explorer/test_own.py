@@ -751,27 +751,31 @@ def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page,
     assert shown.problem() == ""
 
 
-def violations(browser, link, scheme):
-    context = browser.new_context(color_scheme=scheme, reduced_motion="reduce")
-    page = Shown(context.new_page())
-    page.open(link)
-    page.page.evaluate(AXE.read_text(encoding="utf-8"))
-    found = page.page.evaluate("() => axe.run()")["violations"]
-    context.close()
-    return [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
+def violations(pages, links, scheme):
+    """What axe finds of each link, in one page that goes from one to the next."""
+    size = {"width": 1280, "height": 720}
+    with pages(False, viewport=size, color_scheme=scheme, reduced_motion="reduce") as page:
+        for link in links:
+            page.open(link)
+            page.kept = True
+            page.page.evaluate(AXE.read_text(encoding="utf-8"))
+            found = page.page.evaluate("() => axe.run()")["violations"]
+            yield link, [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
 
 
 @pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
-def test_axe_reports_no_violation_of_a_map(browser, map_page, scheme):
-    for view in ("map&web=5", "chart&chart=map", "chart&chart=map-basins"):
-        assert violations(browser, f"{map_page}#version=2&view={view}&{FEW}", scheme) == [], view
+def test_axe_reports_no_violation_of_a_map(pages, map_page, scheme):
+    views = ("map&web=5", "chart&chart=map", "chart&chart=map-basins")
+    for link, found in violations(pages, [f"{map_page}#version=2&view={view}&{FEW}" for view in views], scheme):
+        assert found == [], link
 
 
 @pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
-def test_axe_reports_no_violation_of_a_law(browser, rig):
-    for view in ("oscillator", "strobe", "chart&chart=oscillator&chart_columns=4&chart_rows=3"):
-        assert violations(browser, f"{rig}#{LAW}&view={view}&{SMALL}", "dark") == [], view
+def test_axe_reports_no_violation_of_a_law(pages, rig):
+    views = ("oscillator", "strobe", "chart&chart=oscillator&chart_columns=4&chart_rows=3")
+    for link, found in violations(pages, [f"{rig}#{LAW}&view={view}&{SMALL}" for view in views], "dark"):
+        assert found == [], link
 
 
 def test_a_link_of_a_map_that_the_page_does_not_have_says_so(shown, address):

@@ -15,7 +15,7 @@ from grazing.explorer.build import shipped
 from grazing.explorer.server import FOLDER, files
 from grazing.plot.classes import attractor_colours
 from grazing.plot.style import PERIODS
-from tests.explorer.browser import LOADED
+from tests.explorer.browser import FEW, LOADED
 
 PAGE = FOLDER / "page"
 #: What the pages and all they need may weigh, in bytes: 875,000, of which 69,000 are parts of d3, 226,000 the table,
@@ -329,6 +329,7 @@ BEGUN = """() => {
 
 def test_figures_by_their_numbers(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")
+    shown.page.evaluate(FEW)
     for name, wanted in (
         ("3.2", "lam=0.34"),
         ("2.2", "view=strobe"),

@@ -12,7 +12,7 @@ from grazing.cli.app import main
 from grazing.cli.explore import explore
 from grazing.explorer.onefile import bundle, page
 from grazing.outcome import InputError
-from tests.explorer.browser import LOADED, Shown
+from tests.explorer.browser import FEW, LOADED, Shown
 
 
 @pytest.fixture
@@ -191,6 +191,7 @@ def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
 def test_every_change_of_scene_is_a_step_back(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")
     shown.link()
+    shown.page.evaluate(FEW)
     shown.page.click("[data-view=gap]")
     shown.settle()
     shown.link()

@@ -453,12 +453,12 @@ def test_a_finger_that_scrolls_sets_no_slider(phone, address, where):
 
 
 @pytest.mark.parametrize("kept", [False], ids=["loaded"])
-@pytest.mark.parametrize("file", ["index.html", "table.html"])
+@pytest.mark.parametrize("file", ["index.html#version=2&view=ball&columns=20", "table.html"])
 def test_the_key_that_presents_waits_for_no_kernels(shown, address, file):
     held, page = [], shown.page
     page.route("**/kernels.json", lambda route: held.append(route))
     with page.expect_request("**/kernels.json"):
-        page.goto(address.replace("index.html", file))
+        page.goto(address + file)
     page.keyboard.press("p")
     assert page.evaluate("() => document.body.classList.contains('presenting')")
     page.evaluate("() => dispatchEvent(new Event('resize'))")

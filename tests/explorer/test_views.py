@@ -589,8 +589,7 @@ def test_without_a_canvas_the_words_are_there(browser, address):
         ("gap", "period-3 orbit, word LLR"), ("oscillator", "Normal form"), ("edges", "Windows 3 and 4 overlap"),
         ("basins", "of the picture"), ("strobe", "Zero-time map"), ("ball", "period-3 orbit"),
     ):  # fmt: skip
-        page.page.goto("about:blank")
-        page.page.goto(f"{address}#version=2&{SCENES[scene]}")
+        page.page.goto(f"{address}#version=2&{SCENES[scene]}")  # the first time, to the page; then within it
         page.until(f"() => document.getElementById('summary').textContent.includes('{said}')")
         assert page.problem().startswith("This browser gives the page no canvas: pictures cannot be drawn.")
         assert "grazing" in page.page.evaluate("() => explorer.texts().python")
@@ -684,7 +683,8 @@ def test_no_window_is_left_out_among_those_that_are_named(shown, address):
 
 def test_numbers_in_words_have_the_digits_that_the_picture_needs(shown, address):
     """Six, and as in the boxes a ten-thousandth of what the picture spans."""
-    shown.open(f"{address}#version=2&view=edges&mu=0.12345678")
+    few = "columns=60&bins=60&flow_starts=2&flow_transient=60&flow_keep=40"
+    shown.open(f"{address}#version=2&view=edges&mu=0.12345678&{few}")
     for view in ("edges", "gap", "strobe", "oscillator"):
         shown.page.click(f"[data-view={view}]")
         shown.until(f"() => explorer.state().view === '{view}' && document.getElementById('summary').innerText")
