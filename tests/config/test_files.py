@@ -225,3 +225,13 @@ def test_dots_that_are_none_of_a_key_are_read(tmp_path):
         f'# {"a." * 99}\nstudy = "diagram"\nvary.d = [{many}]\n"map" = "{"../" * 40}x.py:P" # {"a." * 40}\n'
     )
     assert len(load_config(file)["vary"]["d"]) == 99
+
+
+@pytest.mark.parametrize("name", ["a\0b", "\ud800", "a" * 5000])
+@pytest.mark.parametrize("key", ["table", "map", "model", "curves"])
+def test_what_cannot_be_the_name_of_a_file_is_refused_in_a_sentence(key, name):
+    """A zero byte or half a letter, which a recipe in a file may name as its table, came out as a ValueError."""
+    for study in ("trajectory", "launches", "diagram", None):
+        with pytest.raises(InputError) as said:
+            checked({"study": study, key: name})
+        assert "\0" not in str(said.value)

@@ -541,12 +541,15 @@ def test_numbers_that_would_lead_out_of_arrays_are_refused(caller, told, model):
     labels = {**sizes, "points": np.zeros((1, 2, 2, 1)), "period": few + 1, "key": few.astype(np.int64), "begin": few,
               "length": few + 1, "same": np.zeros(2), "label": few}  # fmt: skip
     heights = {"count": 1, "row": row[0], "which": 0, "values": np.zeros(1), "heights": np.zeros(1)}
+    grazes = {"row": row[0], "which": 4, "low": -float("inf"), "high": float("inf"), "open_low": 0}
+    nan = float("nan")
     for name, given, changes in [
         ("density", density_, [{"coordinate": 2}, {"coordinate": -1}, {"high": 0.0}, {"high": float("nan")},
                                {"low": -float("inf")}, {"high": 5e-324}, {"rows": row + np.inf}]),
         ("legs", legs, [{"state": state + 9.0}, {"state": state - 1.0}, {"state": state * np.nan}]),
         ("attractors", labels, [{"period": few + 3}, {"length": few}]),
         ("clearance", heights, [{"which": -1}, {"which": row.size}]),
+        ("graze", grazes, [{"low": nan}, {"high": nan}]),  # the search went on for ever
     ]:  # fmt: skip
         caller.call(name, **{key: np.copy(value) if isinstance(value, np.ndarray) else value for key, value in
                              given.items()})  # fmt: skip

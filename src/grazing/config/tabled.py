@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from contextlib import suppress
 from functools import partial
 from math import cos, sin
 from typing import Any
@@ -30,7 +31,8 @@ def with_map(raw: dict[str, Any], folder: str) -> None:
     if (kind := usual_map(str(raw.get("study")))) is not None:
         raw.setdefault("map", kind)
     if raw["table"] not in shipped() and len(raw["table"]) <= LONGEST:
-        raw["table"] = os.path.realpath(os.path.join(folder, raw["table"]))
+        with suppress(OSError, ValueError):  # what cannot be the name of a file is said where it is opened
+            raw["table"] = os.path.realpath(os.path.join(folder, raw["table"]))
     study, settings = studies().get(str(raw.get("study"))), raw.get("settings", {})
     if study is not None and study.flown and study.tables and isinstance(settings, dict) and "state" not in settings:
         if (state := launched(raw["table"], raw.get("parameters"))) is not None:

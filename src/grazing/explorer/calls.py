@@ -72,6 +72,14 @@ def _integer(name: str, numbers: Mapping[str, Any]) -> int:
     return value
 
 
+def _real(name: str, numbers: Mapping[str, Any]) -> float:
+    """Return a number, or an infinity; a kernel may go up to one that is neither for ever."""
+    value = float(numbers[name])
+    if value != value:
+        raise ValueError(f"{name} is not a number")
+    return value
+
+
 def _whole(size: str | int, numbers: Mapping[str, Any]) -> int:
     """Return a size, by name, number, or a name and a number."""
     if isinstance(size, int):
@@ -86,8 +94,7 @@ def _values(entry: Entry, numbers: Mapping[str, Any], given: Sequence[str], arra
     left = LARGEST_ARRAYS
     for argument in entry.arguments:
         if not argument.shape:
-            number = float(numbers[argument.name]) if argument.kind == "float64" else _integer(argument.name, numbers)
-            found.append(number)
+            found.append((_real if argument.kind == "float64" else _integer)(argument.name, numbers))
             continue
         array, arrays = _array(argument, numbers, arrays if argument.name in given else None, arrays, left)
         left -= array.nbytes
