@@ -85,14 +85,8 @@ def exponent_words(found: Row) -> list[str]:
     for row in found["attractors"]:
         digits = 6 if row["period"] > 0 else 3
         if isnan(row["exponent"][0][0]):  # of orbits that ended, and at a graze
-            rows.append(
-                [
-                    *named(row),
-                    share(row["share"], found["starts"]),
-                    "none",
-                    *(["none"] * 2 if "return_time" in row else []),
-                ]
-            )
+            none = ["-"] * (3 if "return_time" in row else 1)
+            rows.append([*named(row), share(row["share"], found["starts"]), *none])
             continue
         cells = ["; ".join(between(ends, digits) for ends in row["exponent"])]
         if "return_time" in row:

@@ -155,7 +155,8 @@ def _variables(P: Map, keep: int) -> dict[str, Variable]:
 def lifetimes(runs: Runs, cells: Ints, found: Columns, period: NDArray[np.int32]) -> Any:
     """Fly orbits again from their starts beside the cycles they ended on; an iterator that returns their lifetimes.
 
-    Those that are on no cycle stay where they are: what ended them has been said. The same steps give the same bits, so each point can be compared with the point of the cycle of its own turn.
+    Those that are on no cycle stay where they are: what ended them has been said. The same steps give the same bits, so
+    each point can be compared with the point of the cycle of its own turn.
     """
     steps = runs.settings.transient + runs.settings.keep
     cycles, result = np.ascontiguousarray(found.points), np.zeros(period.shape, np.int64)
