@@ -99,3 +99,10 @@ def test_what_is_not_a_number_is_said_without_one():
     row = {"word": "", "period": -2, "kind": "ended", "share": 1.0, "point": [math.nan, math.nan]}
     found = {"states": 9, "coordinates": ["u", "v"], "attractors": [row], "ambiguous": 0}
     assert words_of(studies()["basins"], found) == ["word         share  point (u, v)", "-     ended  100 %  -", ""]
+    row |= {
+        "exponent": [[math.nan, math.nan]],
+        "exponent_per_time": [[math.nan, math.nan]],
+        "return_time": [math.nan] * 2,
+    }
+    head, line, *_rest = words_of(studies()["lyapunov"], {"attractors": [row], "starts": 9})
+    assert "time of a step" in head and line.split() == ["-", "ended", "100", "%", "-", "-", "-"]

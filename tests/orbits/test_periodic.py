@@ -317,3 +317,8 @@ def test_a_search_names_orbits_that_differ_from_the_word_by_the_strobe_alone():
 def test_orbits_far_beyond_their_box_are_listed_without_a_warning():
     found = gz.periodic_orbits(gz.gap_map(lam=1e-300, mu=1e300, l=0.0), word="LR", virtual=True)
     assert [orbit.word for orbit in found] == ["LR"]
+
+
+def test_a_derivative_whose_square_is_beyond_all_doubles_is_not_warned_of():
+    P = gz.Map(lambda x, p: (x[0] * p.a,), params={"a": 1e200}, box=((-1.0, 1.0),))
+    assert [orbit.stable for orbit in gz.periodic_orbits(P, 1, starts=10)] == [False]

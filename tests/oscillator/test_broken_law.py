@@ -62,6 +62,14 @@ def test_a_density_says_once_what_a_law_did():
     assert len(seen) == 1
 
 
+def test_coexistence_says_once_what_a_law_did():
+    """Its second flight, which times how orbits settle, said it too."""
+    P = gz.stroboscopic_map(model(lambda v, p: float("nan") if -0.3 < v < -0.2 else -v * p.r))
+    with pytest.warns(RuntimeWarning, match="returned nan") as seen:
+        gz.coexistence(P, "omega", OMEGA, starts=9, transient=20, keep=8)
+    assert len(seen) == 1
+
+
 @pytest.mark.parametrize("law", LAWS)
 @pytest.mark.parametrize("run", [
     lambda m: gz.trajectory(m, (0.5, 0.0)), gz.testing.check_model,

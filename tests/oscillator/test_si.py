@@ -189,6 +189,23 @@ def test_a_model_with_a_base_at_another_frequency_is_the_one_made_there():
         gz.sensitivity(model, "sigma", N=1, span=(-1e-3, -9e-4))
 
 
+@pytest.mark.parametrize("walls", [None, [gz.wall(-1e-3, gz.newton(0.7))]])
+@pytest.mark.parametrize("moves", ["both", "spring", "stop"])
+def test_a_base_drives_a_stiffness_as_it_drives_the_natural_frequency_of_the_same_spring(moves, walls):
+    base = shaken(gap=1e-3, base=3e-4, acceleration=0.5, moves=moves).base
+    stop = {"reset": gz.newton(0.7), "sigma": -1e-3} if walls is None else {"walls": walls}
+    given = {"alpha": 3.0, "forcing": gz.Forcing(omega=80.0), "mass": 0.8, "base": base, **stop}
+    as_k, as_stiffness = gz.Oscillator(k=64.0, **given), gz.Oscillator(stiffness=4096.0, **given)
+    assert as_stiffness.forcing == as_k.forcing
+    assert as_stiffness.replace(stiffness=6400.0, omega=75.0).forcing == as_k.replace(k=80.0, omega=75.0).forcing
+    rows = [np.array([list(one.params.values())] * 3) for one in (as_k, as_stiffness)]
+    rows[0][:, 1], rows[1][:, 1] = [50.0, 60.0, 70.0], [2500.0, 3600.0, 4900.0]
+    made = [one.made_from_base(row) for one, row in zip((as_k, as_stiffness), rows, strict=True)]
+    assert (np.delete(made[0], 1, axis=1) == np.delete(made[1], 1, axis=1)).all()
+    with pytest.raises(gz.InputError, match="does not know that the force of a base"):
+        as_stiffness.refuse_base("a proof", ["stiffness"])
+
+
 def test_a_branch_of_a_shaken_rig_grazes_where_the_closed_form_says():
     P = gz.stroboscopic_map(shaken(9.0, gap=1.2e-3, base=3e-4))
     omega = 2.0 * np.pi * np.array([8.0, 9.5])

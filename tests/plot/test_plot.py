@@ -342,6 +342,8 @@ def test_saving(tmp_path):
         plot.save(fig, tmp_path / "a.jpg")
     with pytest.raises(InputError, match=r"cannot be written: No such file or directory"):
         plot.save(fig, tmp_path / "none" / "a.png")
+    with pytest.raises(InputError, match="allowed are png, pdf, svg"):
+        plot.rendered(fig, np.array(["png", "pdf"]))
 
 
 def test_numbers_that_cannot_be_drawn(tmp_path):

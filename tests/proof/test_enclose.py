@@ -156,6 +156,10 @@ def test_wrong_questions_are_refused_by_name():
         enclose(orbit, "pd", "D")
     with pytest.raises(gz.InputError, match="give a periodic orbit"):
         enclose(3, "pd", "d")
+    (of_gap,) = gz.periodic_orbits(gz.gap_map(0.5, 0.1, 0.2), 2)
+    for kind, name, said in (([], "mu", r"kind is \[\]"), ("pd", [1], r"name is \[1\]")):
+        with pytest.raises(gz.InputError, match=said):
+            enclose(of_gap, kind, name)
 
 
 def test_the_certificate_says_what_it_encloses():

@@ -334,6 +334,7 @@ def test_orbits_that_end_have_none():
     def leaving(state, p):
         return (state[0] + p.a,)
 
+    assert np.isnan(lyapunov(gz.gap_map(1e154, 0.3, 0.8), starts=1).exponent.item())  # beyond all doubles, unwarned
     P = gz.Map(leaving, params={"a": 1.0}, escape=500.0)
     late = lyapunov(P, starts=[[0.0]], transient=100, keep=50, steps=1000)  # it leaves while it is measured
     assert late.outcome.item() & gz.Outcome.diverged

@@ -8,9 +8,10 @@ import grazing as gz
 from grazing import memory, theory
 from grazing.catalogue import diagram
 from grazing.studies.attractors import attractors
-from grazing.studies.orbit_diagram import orbit_diagram
+from grazing.studies.orbit_diagram import drift_of, orbit_diagram
 from grazing.studies.starts import random_starts
 from tests.studies.maps import SMOOTH
+from tests.systems.balls import bouncing
 
 GAP = gz.gap_map(lam=0.5, mu=0.1, l=0.1)
 BALL = gz.stroboscopic_map(gz.pinball(V=0.4))
@@ -396,3 +397,16 @@ def test_an_orbit_on_its_way_to_its_cycle_says_how_far_it_moves():
     told = diagram.words(diagram.found(found))
     assert "on their way" in told[-1] and diagram.found(found)["unsettled"] >= 5
     assert not any("on their way" in line for line in diagram.words(diagram.found(longer)))
+
+
+@pytest.mark.parametrize("sweep", ["up", "down"])
+def test_a_system_of_your_own_is_swept_from_start_to_start(sweep):
+    P = gz.stroboscopic_map(bouncing())
+    one = {"sweep": sweep, "starts": 1, "transient": 3, "keep": 4, "seed": 1}
+    found = orbit_diagram(P, "A", [0.1, 0.11], **one)  # where no orbit was before, its gap is not asked
+    assert np.isfinite(found.x.values).all() and "sweep" in found.attrs["grazing_config"]
+
+
+def test_an_orbit_that_is_infinite_has_no_drift_and_is_not_warned_of():
+    gone = np.full((1, 3, 1, 1), np.inf)
+    assert np.isnan(drift_of(gone, np.array([[-2]], np.int32), np.array([[[0.0, 1.0]]]))).all()

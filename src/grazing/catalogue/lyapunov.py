@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from math import isnan
 from typing import Any
 
 from grazing.catalogue.rows import attractor, numbered
@@ -83,6 +84,10 @@ def exponent_words(found: Row) -> list[str]:
     rows = []
     for row in found["attractors"]:
         digits = 6 if row["period"] > 0 else 3
+        if isnan(row["exponent"][0][0]):  # of orbits that ended, and at a graze
+            none = ["-"] * (3 if "return_time" in row else 1)
+            rows.append([*named(row), share(row["share"], found["starts"]), *none])
+            continue
         cells = ["; ".join(between(ends, digits) for ends in row["exponent"])]
         if "return_time" in row:
             cells += ["; ".join(between(ends, digits) for ends in row["exponent_per_time"])]

@@ -119,7 +119,8 @@ def doubt_of(J: NDArray[np.float64], error: NDArray[np.float64]) -> float:
     """
     if not (np.isfinite(J).all() and np.isfinite(error).all()):
         return float("nan")
-    off, size, n = float(np.linalg.norm(error)), float(np.linalg.norm(J)), len(J)
+    with np.errstate(over="ignore"):  # of squares beyond all doubles
+        off, size, n = float(np.linalg.norm(error)), float(np.linalg.norm(J)), len(J)
     if n == 1 or off == 0.0:
         return off
     bound = float((2.0 * size + off) ** (1.0 - 1.0 / n) * off ** (1.0 / n))

@@ -31,7 +31,7 @@ def largest_deflection(found: Numbers) -> float:
             cos, sin = (
                 (found.cos[j - 1], found.sin[j - 1])
                 if found.base is None
-                else found.base.forces(alpha, k, W / j)[j - 1]
+                else found.base.forces(alpha, k * k, W / j)[j - 1]
             )
             against = hypot(k * k - W * W, alpha * W)
             most = max(most, hypot(cos, sin) / against if against > 0.0 else inf)

@@ -103,7 +103,7 @@ class Oscillator(Rig):
         if clash:
             raise InputError(f"the reset law's parameter {min(clash)!r} has the name of a model parameter; rename it")
         if self.base is not None:
-            cos, sin = zip(*self.base.forces(self.alpha, self.k, self.forcing.omega), strict=True)
+            cos, sin = zip(*self.base.forces(self.alpha, self.k2, self.forcing.omega), strict=True)
             object.__setattr__(self, "forcing", replace(self.forcing, cos=cos, sin=sin))
         if not self.reset.affine:
             f, force = self.forcing, self.forcing.offset - self.k2 * self.sigma

@@ -199,7 +199,8 @@ class Rig:
     def made_from_base(self, values: Floats) -> Floats:
         """Write the forces of a base into all parameters, shape (..., parameters), in place; return these."""
         if self.base is not None:
-            self.base.row(values)
+            spring = values[..., 1]
+            self.base.row(values, spring * spring if self.stiffness is None else spring)
         return values
 
     def refuse_made(self, names: Sequence[str]) -> None:
@@ -210,7 +211,7 @@ class Rig:
 
     def refuse_base(self, what: str, names: Sequence[str]) -> None:
         """Raise InputError where something would change parameters that a base answers to, and keep its force."""
-        if self.base is not None and not {*names}.isdisjoint(("alpha", "k", "omega", *self.base.made)):
+        if self.base is not None and not {*names}.isdisjoint(("alpha", "k", "stiffness", "omega", *self.base.made)):
             raise InputError(
                 f"{what} in {', '.join(names)} does not know that the force of a base depends on it; vary something "
                 "else, or follow orbits with gz.continuation"
@@ -224,7 +225,8 @@ class Rig:
         new = updated(params, given, "the model")
         if self.base is not None:
             refuse_out_of_range(new["omega"])  # before forces are divided by its square
-            made = self.base.forces(new["alpha"], new["k"], new["omega"])
+            k2 = new["k"] * new["k"] if self.stiffness is None else new["stiffness"]
+            made = self.base.forces(new["alpha"], k2, new["omega"])
             for name, value in zip(self.base.made, (x for pair in made for x in pair), strict=True):
                 if name in given and new[name] not in (value, params[name]):
                     self.refuse_made([name])

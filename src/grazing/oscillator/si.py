@@ -40,8 +40,11 @@ class Base(NamedTuple):
     cos: tuple[float, ...]
     sin: tuple[float, ...]
 
-    def forces(self, alpha: Any, k: Any, omega: Any) -> list[tuple[Any, Any]]:
-        """Return cosine and sine amplitude of each harmonic of the force per unit of mass; arrays are fine."""
+    def forces(self, alpha: Any, k2: Any, omega: Any) -> list[tuple[Any, Any]]:
+        """Return cosine and sine amplitude of each harmonic of the force per unit of mass; arrays are fine.
+
+        ``k2`` is the stiffness per unit of mass.
+        """
         found = []
         parts = zip(self.displacement, self.acceleration, self.cos, self.sin, strict=True)
         for j, (length, acceleration, cos, sin) in enumerate(parts, start=1):
@@ -49,12 +52,12 @@ class Base(NamedTuple):
             z = length + acceleration / (W * W)
             inertia = length * W * W + acceleration if self.moves != "spring" else 0.0
             side = {"both": 0.0, "spring": 1.0, "stop": -1.0}[self.moves]
-            found.append((cos + inertia + side * k * k * z + 0.0, sin - side * alpha * W * z + 0.0))
+            found.append((cos + inertia + side * k2 * z + 0.0, sin - side * alpha * W * z + 0.0))
         return found
 
-    def row(self, values: Any) -> None:
-        """Write the forces into all parameters of models, shape (..., parameters), in place."""
-        for j, (cos, sin) in enumerate(self.forces(values[..., 0], values[..., 1], values[..., 2])):
+    def row(self, values: Any, k2: Any) -> None:
+        """Write the forces into all parameters of models of stiffness ``k2``, shape (..., parameters), in place."""
+        for j, (cos, sin) in enumerate(self.forces(values[..., 0], k2, values[..., 2])):
             values[..., 5 + 2 * j], values[..., 6 + 2 * j] = cos, sin
 
     @property
@@ -145,7 +148,7 @@ def si_numbers(
     signed = [tuple(SIDES[side] * x for x in one) for one in (shakes, jerks)]
     moved = based(moves, *signed, tuple(sign * x + 0.0 for x in pushes), ())
     natural = sqrt(stiffness / mass)
-    cos, sin = zip(*moved.forces(damping / mass, natural, w), strict=True)
+    cos, sin = zip(*moved.forces(damping / mass, natural * natural, w), strict=True)
     offset, shaken = sign * _checked(LOAD, load) + 0.0, any(shakes) or any(jerks)
     if not all(map(isfinite, (damping / mass, natural, offset, *cos, *sin))):
         raise InputError(

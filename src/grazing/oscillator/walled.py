@@ -91,7 +91,8 @@ class Walled(Rig):
         if not isinstance(self.forcing, Forcing):
             raise InputError(f"forcing is {shown(self.forcing)}; {series_said(self.forcing)}")
         if self.base is not None:
-            cos, sin = zip(*self.base.forces(self.alpha, self.k, self.forcing.omega), strict=True)
+            spring_of(self)
+            cos, sin = zip(*self.base.forces(self.alpha, self.k2, self.forcing.omega), strict=True)
             object.__setattr__(self, "forcing", replace(self.forcing, cos=cos, sin=sin))
         walls = tuple(replace(one, motion=in_harmonics(one.motion, self.forcing)) for one in walls)
         object.__setattr__(self, "walls", walls)

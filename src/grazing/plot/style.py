@@ -221,7 +221,7 @@ def rendered(
     InputError
         For any other kind, what has no figure, or numbers that cannot be drawn.
     """
-    if kind not in FORMATS:
+    if not isinstance(kind, str) or kind not in FORMATS:
         raise InputError(
             f"figure format {shown(kind)}; allowed are {', '.join(FORMATS)}: choose the ending of the file's name"
         )

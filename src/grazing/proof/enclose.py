@@ -122,10 +122,10 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
 def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
     """Return the proof of the edge nearest to the orbit's own mu that the orbit leads to."""
     kinds = {"pd": "pd", "lp": "lp", "gr": "gr", "bcb": "bc"}
-    if kind not in kinds:
-        raise InputError(f"kind is {kind!r}; allowed for the gap map are {', '.join(kinds)}")
-    if name != "mu":
-        raise InputError(f"name is {name!r}; edges of the gap map are enclosed in mu only")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise InputError(f"kind is {shown(kind)}; allowed for the gap map are {', '.join(kinds)}")
+    if not isinstance(name, str) or name != "mu":
+        raise InputError(f"name is {shown(name)}; edges of the gap map are enclosed in mu only")
     proof = nearest_edge(orbit, kinds[kind])
     if proof is None:
         return GapProof(False, f"Nothing is proven: no {kind} of {orbit.word} is joined to this orbit in mu.", None)

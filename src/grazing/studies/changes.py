@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import warnings
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -119,7 +120,9 @@ def _followed(
             _moved(P, x, int(period[k]), str(words[k]), name, value_of(name, there.params)) if period[k] > 0 else None
         )
         starts.append(x if moved is None else moved)
-    points, letters, outcomes = there.run(np.array(starts).T.copy(), transient, keep)
+    with warnings.catch_warnings():  # what a law does to orbits of the study itself has been said
+        warnings.filterwarnings("ignore", ".* outcome bad_law", RuntimeWarning)
+        points, letters, outcomes = there.run(np.array(starts).T.copy(), transient, keep)
     found = classify(there, points, letters, outcomes[0])
     return {
         k: points[-1, :, n].copy()

@@ -153,9 +153,10 @@ def _variables(P: Map, keep: int) -> dict[str, Variable]:
 
 
 def lifetimes(runs: Runs, cells: Ints, found: Columns, period: NDArray[np.int32]) -> Any:
-    """Fly all orbits again from their starts beside the cycles they ended on; an iterator that returns their lifetimes.
+    """Fly orbits again from their starts beside the cycles they ended on; an iterator that returns their lifetimes.
 
-    The same steps give the same bits, so each point can be compared with the point of the cycle of its own turn.
+    Those that are on no cycle stay where they are: what ended them has been said. The same steps give the same bits, so
+    each point can be compared with the point of the cycle of its own turn.
     """
     steps = runs.settings.transient + runs.settings.keep
     cycles, result = np.ascontiguousarray(found.points), np.zeros(period.shape, np.int64)
@@ -165,6 +166,7 @@ def lifetimes(runs: Runs, cells: Ints, found: Columns, period: NDArray[np.int32]
     unit = np.maximum(size, sides_of(runs.P)[:, None])
     with np.errstate(invalid="ignore"):  # of orbits that ended
         near = ARRIVED * unit * (size / unit).max(axis=1, keepdims=True)
+    lanes[np.broadcast_to((period < 1)[:, None], lanes.shape)] = np.nan
     for part in pieces(runs.P, rows, lanes, 0, steps, runs.settings.arithmetic):
         call(compiled_arrival(), part.points, cycles, period, near, n, steps, result)
         n += part.points.shape[1]

@@ -166,7 +166,8 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
 
 def back(points: Floats, sides: Floats) -> NDArray[np.bool_]:
     """Return whether orbits, points (columns, keep, dim, starts), come back to their last points but for rounding."""
-    apart = np.abs(points[:, :-1] - points[:, -1:]) / sides[:, None]
+    with np.errstate(invalid="ignore"):  # of what is infinite
+        apart = np.abs(points[:, :-1] - points[:, -1:]) / sides[:, None]
     return np.asarray((apart.max(axis=2) <= SMALL).any(axis=1))
 
 

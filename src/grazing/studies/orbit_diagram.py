@@ -160,11 +160,13 @@ def _compute(runs: Runs, name: str, sweep: str | None, cells: Ints, arrays: Arra
 
 def _allowed(P: Map, state: Floats, params: Mapping[str, float]) -> bool:
     """Return whether an orbit may begin at a state: not where one ended, nor where a wall has moved."""
+    if not np.isfinite(state).all():
+        return False
     try:
         P.origin.check(tuple(state.tolist()), params)
     except InputError:
         return False
-    return bool(np.isfinite(state).all())
+    return True
 
 
 def _variables(P: Map, keep: int) -> dict[str, Variable]:
@@ -212,7 +214,8 @@ def drift_of(points: Floats, period: NDArray[np.int32], boxes: Floats) -> Floats
     """
     known = period > 0
     before = points.shape[1] - 1 - np.where(known, period, 0)
-    change = points[:, -1] - np.take_along_axis(points, before[:, None, None], axis=1)[:, 0]
+    with np.errstate(invalid="ignore"):  # of orbits without a period, which may be infinite
+        change = points[:, -1] - np.take_along_axis(points, before[:, None, None], axis=1)[:, 0]
     sides = boxes[:, :, 1] - boxes[:, :, 0]
     return np.where(known, np.abs(change / sides[:, :, None]).max(axis=1), np.nan)
 

@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from grazing.outcome import InputError, OutsideForm, abridged, shown
-from grazing.theory._inputs import FloatArray
+from grazing.theory._inputs import LARGEST, FloatArray
 
 __all__ = ["WordOrbit", "word_orbits"]
 
@@ -154,6 +154,8 @@ def finite(name: str, value: object) -> float:
         number = math.nan
     if not math.isfinite(number):
         raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number")
+    if abs(number) > LARGEST:
+        raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number up to 1e100 in size")
     return number
 
 
