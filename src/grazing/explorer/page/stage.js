@@ -73,7 +73,10 @@ export function stage(again) {
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey || isTyped(event.target)) return;
     if (event.key.toLowerCase() === "p") show(!classList.contains("presenting"));
-    else if (classList.contains("presenting") && TURNS[event.key]) document.getElementById(TURNS[event.key])?.click();
+    else if (classList.contains("presenting") && TURNS[event.key]) {
+      event.preventDefault(); // the slider that was moved last has the focus, and is not meant
+      document.getElementById(TURNS[event.key])?.click();
+    }
     else if (event.key === "Escape" && !event.defaultPrevented) show(false);
   });
   sideways();
