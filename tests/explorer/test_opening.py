@@ -170,6 +170,21 @@ def test_the_strip_names_what_is_hit(shown, address):
     assert "wall" in said and "bumper" not in said
 
 
+def test_the_arrow_of_the_force_is_clear_of_what_is_written(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
+    shown.page.evaluate(
+        f"() => {{ const b = {BALL}, c = b.strip.axes.context, line = c.lineTo, fill = c.fillText; "
+        "window.ends = [0, 0]; "
+        "c.lineTo = (x, y) => { const far = c.lineWidth === 3 && x > b.strip.axes.x(b.turn) + 1; "
+        "if (far) window.ends[0] = Math.max(window.ends[0], x + 1.5); line.call(c, x, y); }; "
+        "c.fillText = (text, x, y) => { "
+        "if (text === 'bumper') window.ends[1] = x - c.measureText(text).width; fill.call(c, text, x, y); }; }"
+    )
+    shown.until("() => window.ends[0] && window.ends[1]")
+    arrow, label = shown.page.evaluate("() => window.ends")
+    assert arrow < label
+
+
 def test_hysteresis(shown, address):
     """At d = 0.1225 two orbits live: from below the ball stays on the one, from above on the other."""
     found = {}

@@ -329,6 +329,16 @@ def test_shares_of_exits_are_those_of_python(shown, address):
     np.testing.assert_allclose(shares[:-1], truth, atol=3e-3)  # what doubles cannot decide, Python decides exactly
 
 
+def test_a_share_that_is_not_nothing_is_not_told_as_nothing(shown, address):
+    page = opened(shown, address)
+    shown.until("() => pinball.exits().shares")
+    few = (
+        "() => { const e = pinball.exits(); e.shares = [0.9997, 3e-4, ...e.names.slice(2).map(() => 0)]; e.counted(); }"
+    )
+    page.evaluate(few)
+    assert re.findall(r"[\w .]+ %", page.inner_text("#shares"))[1].endswith("under 0.1 %")
+
+
 #: How many colours fill the picture of exits, of those that are not a rarity.
 GRAIN = """() => {
   const { axes } = pinball.exits(), { x, y, w, h } = axes.box;

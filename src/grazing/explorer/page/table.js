@@ -127,8 +127,9 @@ function shares() {
     const chip = document.createElement("i");
     chip.style.setProperty("background", exits.colour(i));
     const line = document.createElement("span");
-    line.append(chip, `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`);
-    return { line, share: exits.shares?.[i] ?? 0 };
+    const share = exits.shares?.[i] ?? 0;
+    line.append(chip, `${name.replaceAll("_", " ")} ${share < 5e-4 ? "under 0.1" : (100 * share).toFixed(1)} %`);
+    return { line, share };
   });
   const most = parts.filter(({ share }) => share > 0).sort((a, b) => b.share - a.share).slice(0, 5);
   $("shares").replaceChildren(...most.flatMap(({ line }) => [line, " "]));
@@ -337,7 +338,7 @@ function spread() {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText(`Split the ball${touch.matches ? "." : ": G"}`, curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
