@@ -230,6 +230,9 @@ def test_keys_are_at_hand_before_a_room(shown, address):
     shown.until("() => explorer.state().tour === 3")
     shown.page.wait_for_timeout(100)
     assert shown.page.evaluate("() => explorer.state().offset") == 0.1305
+    shown.page.fill("input[type=number][name=offset]", "0.13")
+    shown.page.keyboard.press("PageUp")  # nor is a field
+    shown.until("() => explorer.state().tour === 2")
     assert presenting(shown) and shown.problem() == ""
     shown.page.keyboard.press("Escape")
     shown.until("() => !document.body.classList.contains('presenting')")
