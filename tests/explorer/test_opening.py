@@ -111,6 +111,21 @@ def test_the_ball_lives_through_the_slider_and_its_word_changes(shown, address):
     assert "once in four pushes: 0001" in shown.page.inner_text("#lead")
 
 
+def test_the_time_that_is_told_goes_on_as_the_slider_moves(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
+    faster(shown)
+    shown.until(f"() => {BALL}.now > 3 * {BALL}.T")
+    told = (
+        f"() => {{ const b = {BALL}, c = b.strip.axes.context, fill = c.fillText, said = []; "
+        "c.fillText = (text) => said.push(text); b.draw(); c.fillText = fill; "
+        "return Number(/^t = ([\\d.]+)/.exec(said.find((text) => text.startsWith('t ')))[1]); }"
+    )
+    shown.page.evaluate(f"() => {BALL}.play(false)")
+    before = shown.page.evaluate(told)
+    turn(shown, 0.121)
+    assert ball(shown, "lived") and shown.page.evaluate(told) >= before
+
+
 def test_a_high_flight_is_seen_until_it_has_left(shown, address):
     """A ball that was kicked before the graze was passed may have flown higher than any that flies beyond it."""
     shown.open(f"{address}#version=2&view=ball&columns=20")
@@ -153,6 +168,21 @@ def test_the_strip_names_what_is_hit(shown, address):
     shown.until("() => explorer.state().V === 0")
     said = shown.page.evaluate(write)
     assert "wall" in said and "bumper" not in said
+
+
+def test_the_arrow_of_the_force_is_clear_of_what_is_written(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12")
+    shown.page.evaluate(
+        f"() => {{ const b = {BALL}, c = b.strip.axes.context, line = c.lineTo, fill = c.fillText; "
+        "window.ends = [0, 0]; "
+        "c.lineTo = (x, y) => { const far = c.lineWidth === 3 && x > b.strip.axes.x(b.turn) + 1; "
+        "if (far) window.ends[0] = Math.max(window.ends[0], x + 1.5); line.call(c, x, y); }; "
+        "c.fillText = (text, x, y) => { "
+        "if (text === 'bumper') window.ends[1] = x - c.measureText(text).width; fill.call(c, text, x, y); }; }"
+    )
+    shown.until("() => window.ends[0] && window.ends[1]")
+    arrow, label = shown.page.evaluate("() => window.ends")
+    assert arrow < label
 
 
 def test_hysteresis(shown, address):

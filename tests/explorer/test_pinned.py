@@ -41,6 +41,29 @@ def test_a_picture_is_kept_above_another_on_one_scale(shown, address):
     assert shown.page.get_attribute("#pin", "aria-pressed") == "false"
 
 
+#: Gather how far above the lower edge of a picture what is written of it stands.
+SPY = """id => {
+  const canvas = document.getElementById(id), pen = canvas.getContext("2d"), write = pen.fillText;
+  canvas.written = {};
+  pen.fillText = (text, x, y) => ((canvas.written[text] = canvas.clientHeight - y), write.call(pen, text, x, y));
+}"""
+WRITTEN = "id => document.getElementById(id).written"
+
+
+def test_words_about_a_picture_stand_where_none_of_it_is(shown, address):
+    shown.open(f"{address}#{GAP}")
+    shown.page.click("#pin")
+    shown.until(f"() => {SEEN}")
+    for each in ("pinned", "gap-diagram"):
+        shown.page.evaluate(SPY, each)
+    shown.page.fill("input[type=number][name=l]", "0.3")
+    shown.until("() => Object.keys(document.getElementById('pinned').written).some(t => t.startsWith('pinned: l'))")
+    written = shown.page.evaluate(WRITTEN, "pinned")
+    assert max(up for text, up in written.items() if text.startswith("pinned")) < 10 < written["3"]  # a window's period
+    shown.page.evaluate("() => explorer.views.gap.diagram.axes.progress(0.5, -1e9)")
+    assert shown.page.evaluate(WRITTEN, "gap-diagram")["50 %"] < 10
+
+
 def test_what_cannot_be_compared_is_not_shown(shown, address):
     shown.open(f"{address}#{GAP}")
     shown.settle()

@@ -54,6 +54,19 @@ def test_a_folder_shows_the_page_at_its_root_and_where_older_links_lead(shown, h
     assert all(url.startswith((hosted, "data:")) for url in shown.asked)
 
 
+@LOADED
+def test_the_last_step_of_the_tour_leads_to_the_table(shown, hosted):
+    shown.open(f"{hosted}/#version=2&view=gap&tour=11&columns=50")
+    shown.page.click("#guide-link")
+    shown.until("() => window.pinball && pinball.game()")
+    shown.page.click("#rungs >> text=Galton board")
+    shown.page.click("#rungs >> text=One bumper")
+    shown.page.go_back()  # a table is a step of the history, too
+    shown.until("() => pinball.game() && document.querySelector('#headline').textContent.startsWith('No bumper')")
+    shown.page.click("#rungs >> text=The paper")
+    shown.until("() => window.explorer && explorer.state().tour === 11")
+
+
 def test_a_folder_that_is_opened_from_the_disk_says_what_to_do(browser, tmp_path):
     explore(out=tmp_path)
     page = browser.new_page()
@@ -88,6 +101,8 @@ def test_a_single_file_works_from_the_disk(browser, single):
     shown.page.reload()
     shown.settle()
     assert state(shown, "view") == "gap"
+    shown.open(f"{single.as_uri()}#version=2&view=gap&columns=20&tour=11")
+    assert shown.page.is_visible("#guide") and not shown.page.is_visible("#guide-link")  # no table lies in the file
     assert all(url.startswith(("file:", "blob:", "data:")) for url in shown.asked)
     context.close()
     assert shown.errors == []

@@ -225,6 +225,14 @@ def test_keys_are_at_hand_before_a_room(shown, address):
     shown.until("() => explorer.state().tour === 3 && explorer.state().view === 'oscillator'")
     shown.page.keyboard.press("PageUp")
     shown.until("() => explorer.state().tour === 2")
+    shown.page.focus(".control[data-name=offset] input[type=range]")  # as after a drag: the page is turned, no slider
+    shown.page.keyboard.press("PageDown")
+    shown.until("() => explorer.state().tour === 3")
+    shown.page.wait_for_timeout(100)
+    assert shown.page.evaluate("() => explorer.state().offset") == 0.1305
+    shown.page.fill("input[type=number][name=offset]", "0.13")
+    shown.page.keyboard.press("PageUp")  # nor is a field
+    shown.until("() => explorer.state().tour === 2")
     assert presenting(shown) and shown.problem() == ""
     shown.page.keyboard.press("Escape")
     shown.until("() => !document.body.classList.contains('presenting')")

@@ -38,6 +38,7 @@ def test_a_bumper_is_dragged_and_hit_where_it_stands_as_in_python(shown, address
     after = place(page, "bumper3")
     assert after[0] < before[0] - 0.1 and after[1] < before[1] - 0.1
     assert page.evaluate("() => pinball.edit().on")
+    assert page.inner_text("#said").startswith("C: ")  # the letter that stands on it
     page.evaluate("() => pinball.launch([2.5, 6.0, 3.0, 9.0])")
     assert not page.evaluate("() => pinball.edit().on")
     hold(page)

@@ -141,6 +141,23 @@ def test_a_nudge_moves_the_balls_in_the_air_and_too_many_tilt(shown, address):
     assert not page.evaluate(f"() => {GAME}.tilted")
 
 
+def test_a_ball_that_has_hit_nothing_yet_is_in_its_link_and_a_link_says_who_opens_it(shown, address):
+    page = opened(shown, address)
+    launch(page, [2.55, 5.6, -1.0, 2.4])
+    play(page, 0.1)
+    assert hits(page) == []
+    page.click("[data-copy=link]")
+    assert "start=2.55%2C5.6%2C-1%2C2.4" in page.evaluate("() => navigator.clipboard.readText()")
+    shown.until("() => document.querySelector('#copied').textContent")
+    said = page.inner_text("#copied")
+    assert "--out site" in said and "page.html" not in said  # which has no table
+    page.clock.install()
+    page.click("[data-copy=python]")
+    shown.until("() => document.querySelector('#copied').textContent === 'Copied.'")
+    page.clock.run_for(6000)  # and goes, for it lies over a picture
+    assert page.inner_text("#copied") == ""
+
+
 def test_flippers_work_as_long_as_the_ball_flies(shown, address):
     page = opened(shown, address)
     launch(page, [2.5, 6.0, 3.0, 9.0])
@@ -310,6 +327,16 @@ def test_shares_of_exits_are_those_of_python(shown, address):
     drains = [one.name for one in T.objects if one.kind == "drain"]
     truth = [float((found.exit == name).mean()) for name in drains]
     np.testing.assert_allclose(shares[:-1], truth, atol=3e-3)  # what doubles cannot decide, Python decides exactly
+
+
+def test_a_share_that_is_not_nothing_is_not_told_as_nothing(shown, address):
+    page = opened(shown, address)
+    shown.until("() => pinball.exits().shares")
+    few = (
+        "() => { const e = pinball.exits(); e.shares = [0.9997, 3e-4, ...e.names.slice(2).map(() => 0)]; e.counted(); }"
+    )
+    page.evaluate(few)
+    assert re.findall(r"[\w .]+ %", page.inner_text("#shares"))[1].endswith("under 0.1 %")
 
 
 #: How many colours fill the picture of exits, of those that are not a rarity.

@@ -386,7 +386,7 @@ export class BallView {
     this.#run();
     const colour = periodColour(past.heard(this.classes)?.period ?? 0), { twin } = this.company, { aim } = this.sling;
     const endless = [...past.letters.values()].some(chattered); // completed chatter has impacts without end
-    const time = `t = ${(this.begun[2] + this.now).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
+    const time = `t = ${(this.turn * this.T).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
     const [shift] = moved(state, this.begun[2] + this.now);
     portrait(axes, { low: state.sigma + shift, high: ceiling(state) + shift, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
     this.gestures.draw(axes.context);

@@ -74,10 +74,10 @@ export function guided({ change, present, state }) {
       if (place.textContent !== text) place.textContent = text;
     }
     typeset(byId("guide-title"), `${now.tour} of ${TOUR.length}: ${step.title}`);
-    const [href, text] = step.link ?? ["", ""];
-    byId("guide-link").hidden = !href;
-    byId("guide-link").href = href;
-    typeset(byId("guide-link"), text);
+    const way = /** @type {HTMLAnchorElement | null} */ (document.querySelector("nav a")); // where the table lies, if this page has one
+    byId("guide-link").hidden = !step.link || !way;
+    byId("guide-link").href = way?.href ?? "";
+    typeset(byId("guide-link"), step.link ?? "");
     back.disabled = now.tour === 1;
     next.disabled = now.tour === TOUR.length;
     // a button that is switched off loses the focus: the other one takes it

@@ -94,9 +94,9 @@ export class Pinned {
     if (!view || !own || !other) return;
     const said = differing(own, other, view.machine.described.fields), text = `pinned${said.length ? `: ${said.join(", ")}` : ""}`;
     c.fillStyle = theme().ink;
-    c.textAlign = "right";
-    c.textBaseline = "top";
-    inscribe(c, text, axes.box.x + axes.box.w, 4);
+    c.textAlign = "left";
+    c.textBaseline = "bottom";
+    inscribe(c, text, axes.box.x, axes.box.y + axes.box.h + 42); // above it stand the periods of windows
     axes.canvas.setAttribute("aria-label", `The ${text.replaceAll("_", "")}, on the scale of the diagram below`);
   }
 }

@@ -235,17 +235,13 @@ export class Axes {
     lines.forEach((line, i) => c.fillText(line, middle[0], middle[1] + 20 * (i - (lines.length - 1) / 2)));
   }
 
-  /** Say in a corner how far the picture is, if it is one that takes more than half a second. @param {number} share @param {number} begun in milliseconds */
+  /** Say under the axis, where nothing is drawn, how far the picture is, if it is one that takes more than half a second. @param {number} share @param {number} begun in milliseconds */
   progress(share, begun) {
     if (!(performance.now() - begun > 500)) return;
-    const { context: c, box } = this, text = `${Math.min(99, Math.floor(100 * share))} %`, width = c.measureText(text).width + 10;
-    c.globalAlpha = 0.75;
-    c.fillStyle = theme().paper;
-    c.fillRect(box.x + box.w - width, box.y + 1, width, 20);
-    c.globalAlpha = 1;
+    const { context: c, box } = this;
     c.fillStyle = theme().ink;
-    c.textAlign = "right";
-    c.textBaseline = "top";
-    c.fillText(text, box.x + box.w - 5, box.y + 4);
+    c.textAlign = "center";
+    c.textBaseline = "bottom";
+    c.fillText(`${Math.min(99, Math.floor(100 * share))} %`, box.x + box.w / 2, box.y + box.h + 42);
   }
 }

@@ -71,10 +71,13 @@ export function stage(again) {
     ours = false;
   });
   document.addEventListener("keydown", (event) => {
-    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(event.target)) return;
-    if (event.key.toLowerCase() === "p") show(!classList.contains("presenting"));
-    else if (classList.contains("presenting") && TURNS[event.key]) document.getElementById(TURNS[event.key])?.click();
-    else if (event.key === "Escape" && !event.defaultPrevented) show(false);
+    if (event.ctrlKey || event.metaKey || event.altKey) return;
+    if (classList.contains("presenting") && TURNS[event.key]) {
+      event.preventDefault(); // the slider that was moved last or the field that was typed in has the focus, and is not meant
+      document.getElementById(TURNS[event.key])?.click();
+    } else if (event.key === "Escape") {
+      if (!event.defaultPrevented && !(event.target instanceof HTMLSelectElement)) show(false);
+    } else if (event.key.toLowerCase() === "p" && !isTyped(event.target)) show(!classList.contains("presenting"));
   });
   sideways();
   if (kept()) setTimeout(() => show(true)); // a way to another page leaves the room, not the stage

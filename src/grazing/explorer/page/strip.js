@@ -188,7 +188,7 @@ export class Strip {
       c.textBaseline = "middle";
       c.fillText("force", axes.box.x + axes.box.w + RIGHT - 12, middle);
     }
-    const push = (force(turn) / most) * 44, x = axes.x(turn) + 34, y = axes.y(u);
+    const push = (force(turn) / most) * 44, x = axes.x(turn) + 26, y = axes.y(u);
     if (Math.abs(push) < 3) return;
     const side = Math.sign(push);
     c.lineWidth = 3;

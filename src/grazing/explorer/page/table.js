@@ -127,8 +127,9 @@ function shares() {
     const chip = document.createElement("i");
     chip.style.setProperty("background", exits.colour(i));
     const line = document.createElement("span");
-    line.append(chip, `${name.replaceAll("_", " ")} ${(100 * (exits.shares?.[i] ?? 0)).toFixed(1)} %`);
-    return { line, share: exits.shares?.[i] ?? 0 };
+    const share = exits.shares?.[i] ?? 0;
+    line.append(chip, `${name.replaceAll("_", " ")} ${share < 5e-4 ? "under 0.1" : (100 * share).toFixed(1)} %`);
+    return { line, share };
   });
   const most = parts.filter(({ share }) => share > 0).sort((a, b) => b.share - a.share).slice(0, 5);
   $("shares").replaceChildren(...most.flatMap(({ line }) => [line, " "]));
@@ -168,7 +169,7 @@ function edited() {
   if (edit.on) {
     game.clear();
     drawing.clear();
-    say(edit.chosen < 0 ? "Drag a bumper; [ and ] choose one by key, arrows move it." : `${game.things[edit.chosen].name.replaceAll("_", " ")}: drag it, or turn its sliders.`);
+    say(edit.chosen < 0 ? "Drag a bumper; [ and ] choose one by key, arrows move it." : `${letters.get(edit.chosen) ?? game.things[edit.chosen].name.replaceAll("_", " ")}: drag it, or turn its sliders.`);
   }
   sliders();
   draw();
@@ -337,7 +338,7 @@ function spread() {
     c.fillStyle = faint;
     c.textAlign = "center";
     c.font = "15px system-ui, sans-serif";
-    c.fillText("Split the ball.", curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
+    c.fillText(`Split the ball${touch.matches ? "." : ": G"}`, curve.box.x + curve.box.w / 2, curve.box.y + curve.box.h / 2);
     $("parted").textContent = "";
     return;
   }
@@ -354,22 +355,26 @@ function spread() {
 
 const again = () => (draw(), exits?.draw());
 
+const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.message : String(error));
+
 async function start() {
   stage(again); // its key waits for nothing that is loaded
-  const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.message : String(error));
   for (const each of RUNGS) {
     const button = document.createElement("button");
     Object.assign(button, { type: "button", textContent: each.name });
-    button.addEventListener("click", () => choose(each.table));
+    button.addEventListener("click", () => {
+      if (each !== rung) history.pushState(deep() + 1, "", `#v=1&table=${each.table}`); // Back leads to the table before
+      choose(each.table);
+    });
     $("rungs").append(button);
   }
   const link = document.createElement("a");
   Object.assign(link, { href: "index.html", textContent: "The paper" });
   link.addEventListener("click", (event) => {
-    // back to the view that was left
-    if (!document.referrer || new URL(".", document.referrer).href !== new URL(".", location.href).href || document.referrer.includes("table.html")) return;
+    // back to the view that was left, which in a folder for a host lies above this page
+    if (!["index.html", ".", ".."].some((way) => new URL(way, location.href).href === document.referrer)) return;
     event.preventDefault();
-    history.back();
+    history.go(-1 - deep());
   });
   $("rungs").append(link);
   $("problem").lastElementChild.addEventListener("click", () => problem(""));
@@ -395,6 +400,18 @@ async function start() {
     return;
   }
   listen();
+  addEventListener("popstate", () => (problem(""), arrive()));
+  if (!arrive() && !still.matches) {
+    plunge(0.83);
+    game.fan(60, SMALL);
+  }
+}
+
+/** How many tables were chosen since the page was come to. */
+const deep = () => Number(history.state);
+
+/** Show what the address says; returns whether a ball flies there. */
+function arrive() {
   let given = null;
   try {
     given = fromLink(location.hash, tables);
@@ -403,10 +420,7 @@ async function start() {
   }
   choose(given?.table ?? "classic", given?.changes);
   if (given?.start) replay(given.start, given.presses, given.nudges);
-  else if (!still.matches) {
-    plunge(0.83);
-    game.fan(60, SMALL);
-  }
+  return Boolean(given?.start);
 }
 
 function listen() {
@@ -483,7 +497,8 @@ function listen() {
     const text = what === "link" ? new URL(toLink(rung.table, game), location.href).href : python(rung.table, game);
     try {
       await navigator.clipboard.writeText(text);
-      $("copied").textContent = `Copied${what === "link" ? reach() : ""}.`;
+      const said = ($("copied").textContent = `Copied${what === "link" ? reach("site” makes a folder for a web server") : ""}.`);
+      setTimeout(() => $("copied").textContent === said && ($("copied").textContent = ""), 4000 + 60 * said.length);
     } catch {
       $("copied").textContent = text;
     }

@@ -15,7 +15,7 @@ const BEYOND = 1e-6;
 export function toLink(table, game) {
   const given = new URLSearchParams({ v: String(VERSION), table });
   for (const [name, value] of Object.entries(game.changes)) given.set(name, String(value));
-  if (game.hits.length && !game.changed) {
+  if (game.t > 0 && !game.changed) {
     given.set("start", game.start.join(","));
     for (const [name, times] of Object.entries(game.presses)) if (times.length) given.set(`${name}.pressed`, times.join(","));
     if (game.nudges.length) given.set("nudges", game.nudges.flatMap(({ t, state }) => [t, ...state]).join(","));

@@ -10,7 +10,7 @@ const CHAOS = { ...STANDARD, view: "ball", omega: 6, V: 0, offset: -0.2, reach: 
 /** @typedef {Partial<import("./state.js").State>} Shown */
 /** @typedef {{ask: string, choices: string[], right: number, told: string, shown: Shown}} Question */
 
-/** @type {{title: string, text: string, state: Shown, question?: Question, link?: [string, string]}[]} */
+/** @type {{title: string, text: string, state: Shown, question?: Question, link?: string}[]} */
 export const TOUR = [
   {
     title: "A ball above a bumper",
@@ -127,8 +127,8 @@ export const TOUR = [
   },
   {
     title: "What the paper left open",
-    text: "A real machine moves in a plane, among several bumpers, with a player. The pinball table of this page takes that up: at a graze of a bumper its future splits by the same square root with the same kind of gap. Here, the theory names the orbits with one impact, and their windows; between them other orbits and chaos share the room. Zoom into the diagram, and look.",
+    text: "A real machine moves in a plane, among several bumpers, with a player. The pinball table of the explorer takes that up: at a graze of a bumper its future splits by the same square root with the same kind of gap. Here, the theory names the orbits with one impact, and their windows; between them other orbits and chaos share the room. Zoom into the diagram, and look.",
     state: { view: "gap", lam: 0.9, l: 0.4, span: [0.05, 0.3], mu: 0.12 },
-    link: ["table.html", "To the pinball table"],
+    link: "To the pinball table",
   },
 ];

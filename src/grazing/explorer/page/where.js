@@ -13,8 +13,8 @@ export function addressOf(name) {
   return URL.createObjectURL(new Blob([bytes], { type: TYPES[name.split(".").at(-1) ?? ""] }));
 }
 
-/** Who can open a link to this page, where that is not everybody. */
-export const reach = () => (location.protocol === "file:" ? "; it opens where this file lies" : /^(localhost|127\.|\[::1\])/.test(location.host) ? "; it opens on this machine only: “grazing explore --out page.html” makes a file to send" : "");
+/** Who can open a link to this page, where that is not everybody. @param {string} [out] what is written of it to be sent */
+export const reach = (out = "page.html” makes a file to send") => (location.protocol === "file:" ? "; it opens where this file lies" : /^(localhost|127\.|\[::1\])/.test(location.host) ? `; it opens on this machine only: “grazing explore --out ${out}` : "");
 
 /** A worker; what lies in the page is one script, without modules, which browsers refuse there. */
 export const startWorker = () => new Worker(addressOf(WORKER), { type: WORKER in inside ? "classic" : "module" });
