@@ -112,8 +112,7 @@ def of_all_flippers(w: Any, width: int, surfaces: int, flippers: int, rows: Any,
     bounds(w, width, far, g)
     for f in range(flippers):
         row, first = behind(rows, FLIPPER_WIDTH * f), surfaces + KINDS * f
-        for b in range(0, width, 8):
-            near(w, b, row[PIVOT_X], row[PIVOT_Y], row[REACH], -2.0, g)
+        near(w, width, row[PIVOT_X], row[PIVOT_Y], row[REACH], -2.0, g)
         for i in range(width):
             left = int(w[W.LEFT + i]) - first
             if (w[W.ONE + i] > 0.0 or (left >= 0 and left < KINDS)) and not w[W.DOUBT + i] > 0.0:
@@ -320,8 +319,8 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
     for c in range(circles):
         row = behind(rows, WIDTH * c)
         px, py, size, surface = row[PX], row[PY], row[SIZE], 1.0 * (base + c)
+        near(w, width, px, py, size, surface, g)
         for b in range(0, width, 8):
-            near(w, b, px, py, size, surface, g)
             n += listed(w, W.PAIRS + n, W.ONE + b, 1.0 * (LANES * c + b))
     steps = W.PAIRS + LANES * circles
     for first in range(0, n, LANES):
@@ -329,7 +328,6 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
     return n
 
 
-@inlined
 def bounds(w: Any, width: int, far: float, g: float) -> None:
     """Set what :func:`near` asks for of each ball, for circles no part of which is further away than ``far``."""
     for k in range(width):
@@ -342,15 +340,14 @@ def bounds(w: Any, width: int, far: float, g: float) -> None:
         w[W.BEND + i] = fast + least - 2.0 * GAP * EPS * (3.0 * fast - least + g * reach)
 
 
-@inlined
-def near(w: Any, b: int, px: float, py: float, size: float, surface: float, g: float) -> None:
-    """Set ONE for those of eight balls that may meet a circle before what was found.
+def near(w: Any, width: int, px: float, py: float, size: float, surface: float, g: float) -> None:
+    """Set ONE for those balls that may meet a circle before what was found.
 
     For others :func:`grazing.billiard.gaps.first_step` has no root, or one that is later by far more than rounding.
     """
     size2 = (1.0 + 4.0 * GAP * EPS) * size * size
-    for k in range(8):
-        i = b + eights(k)
+    for k in range(width):
+        i = eights(k)
         dx, dy, end = w[W.X + i] - px, w[W.Y + i] - py, w[W.END + i]
         h = (1.0 - 4.0 * GAP * EPS) * (dx * dx + dy * dy) - size2
         dh = 2.0 * (dx * w[W.VX + i] + dy * w[W.VY + i]) - w[W.FALL + i]
