@@ -166,6 +166,26 @@ TWINS = {
         "try:\n        y = g(x)",
         "y = g(x)\n    try:",
     ),
+    "the lines that an if holds, behind lines that do nothing": (
+        """
+        def f(x, y):
+            if x > 0.0:
+                {0}
+            return y
+        """,
+        "pass\n        pass\n        x = x + 1.0\n    y = x",
+        "x = x + 1.0\n        y = x",
+    ),
+    "the sign of a NaN in a tuple": (
+        "def f(x):\n    for n in ({0}(1e999 - 1e999), 2.0): x = math.copysign(x, n)\n    return x",
+        "",
+        "-",
+    ),
+    "how the numbers of an array lie": (
+        "A = np.arange(6.0).reshape(2, 3).copy({0})\ndef f(x): return x * A.strides[0]",
+        "'C'",
+        "'F'",
+    ),
     "what is behind a module that is a default": ("def f(x, m=module({0})): return x * m.K", "2.0", "3.0"),
     "what is behind one that is a keyword's": ("def f(x, *, m=module({0})): return x * m.K", "2.0", "3.0"),
     "a name for getattr that has a name": (
@@ -202,7 +222,7 @@ def test_digest_sees_what_bytecode_and_repr_do_not_show(what):
         return made
 
     def made(change):
-        scope = {"module": module, "math": math, "enum": enum, "__name__": "theirs"}
+        scope = {"module": module, "math": math, "enum": enum, "np": np, "__name__": "theirs"}
         exec(textwrap.dedent(text).replace("{0}", change), scope)
         return digest(scope["f"])
 

@@ -6,6 +6,7 @@ import dis
 import hashlib
 import inspect
 import math
+from bisect import bisect_left
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
@@ -29,6 +30,9 @@ LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
+
+#: The instructions whose argument says where to go on.
+JUMPS = {*dis.hasjrel, *dis.hasjabs}
 
 #: The bits of the NaN that has no sign.
 NAN = np.array(math.nan).tobytes()
@@ -183,7 +187,7 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         return (value.__module__, value.__qualname__)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return ("array", repr(value.dtype), value.shape, numbers)
+        return ("array", repr(value.dtype), value.shape, value.strides, numbers)
     if isinstance(value, np.void):
         return ("record", repr(value.dtype), value.tobytes())
     if isinstance(value, float):
@@ -233,15 +237,23 @@ def coded(code: CodeType) -> Any:
     """Return what the code of a function does, without the file and the lines that it stands in, and its docstring.
 
     Constants stand where they are used: ``python -OO`` has none in the docstring's place, and numbers all others anew.
+    So do the ends of jumps and of what a ``try`` holds, as places among the instructions that are left.
     """
-    consts = code.co_consts  # not op.argval, which does not know the names of keywords
-    steps = [
-        (op.opcode, _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg)
-        for op in instructions(code)
-    ]
+    consts, places = code.co_consts, [op.offset for op in instructions(code)]
+
+    def said(op: dis.Instruction) -> Any:
+        if op.opcode in JUMPS:
+            return bisect_left(places, op.argval)
+        # not op.argval, which does not know the names of keywords
+        return _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg
+
+    steps = [(op.opcode, said(op)) for op in instructions(code)]
     stars = code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
     taken = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, stars)
-    tries = [code.co_exceptiontable] if code.co_exceptiontable else []  # where they begin and end
+    tries = [
+        (*(bisect_left(places, end) for end in (held.start, held.end, held.target)), held.depth, held.lasti)
+        for held in dis.Bytecode(code).exception_entries  # type: ignore[attr-defined]
+    ]
     return (steps, taken, code.co_names, code.co_varnames, code.co_freevars, *tries)
 
 
@@ -249,6 +261,8 @@ def _said(constant: Any) -> Any:
     """Return what a constant is; a set of texts has another order in every process."""
     if isinstance(constant, CodeType):
         return coded(constant)
+    if isinstance(constant, tuple):
+        return ("tuple", [_said(item) for item in constant])
     said = repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else shown(constant)
     return (type(constant).__name__, said)
 
