@@ -108,6 +108,7 @@ def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():
     assert digest(closed(long)) != digest(closed(other))
     assert digest(closed(long)) == digest(closed(long.copy()))
     assert digest(closed({"a": 1.0})) != digest(closed({"a": 1.0}))  # of unknown kinds nothing is found again
+    assert digest(closed({"a": 1.0}.get)) != digest(closed({"a": 1.0}.get))
 
     assert digest(closed(1.0)) != digest(closed(2.0))
     assert digest(closed(1.0)) == digest(closed(1.0))
@@ -181,6 +182,12 @@ TWINS = {
         "",
         "-",
     ),
+    "a number of a class": ("class C:\n    K = {0}\ndef f(x): return x * C.K", "2.0", "3.0"),
+    "one of a class below it": (
+        "class B:\n    K = {0}\nclass C(B):\n    __slots__ = ()\n    def f(x): return x * C.K\ndef f(x): return C.f(x)",
+        "2.0",
+        "3.0",
+    ),
     "how the numbers of an array lie": (
         "A = np.arange(6.0).reshape(2, 3).copy({0})\ndef f(x): return x * A.strides[0]",
         "'C'",
@@ -227,6 +234,17 @@ def test_digest_sees_what_bytecode_and_repr_do_not_show(what):
         return digest(scope["f"])
 
     assert made(both[0]) == made(both[0]) != made(both[1])
+
+
+def test_digest_sees_a_number_that_was_set_in_a_library(monkeypatch):
+    """The one behind the dot of a module of one's own was seen, that behind ``math`` was not."""
+
+    def f(x):
+        return x * math.pi
+
+    before = digest(f)
+    monkeypatch.setattr(math, "pi", 3.0)
+    assert digest(f) != before
 
 
 PROGRAM = """

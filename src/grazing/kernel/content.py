@@ -10,7 +10,7 @@ from bisect import bisect_left
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType, NoneType
 from typing import Any
 from uuid import uuid4
 
@@ -28,6 +28,9 @@ COMPILED = "grazing.kernel"
 #: Modules whose names say what stands behind their dots, beside the version of numba.
 LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
+#: Numbers of Python.
+NUMBERS = (int, float, complex)
+
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
 
@@ -42,6 +45,12 @@ Known = dict[FunctionType, str]
 
 #: Hashes of functions as they were when each was first compiled in this process: its code stays that of then.
 compiled_as: Known = {}
+
+#: The flag of classes that a ``class`` has made.
+STATED = 1 << 9
+
+#: What every class has, and what changes nothing.
+MADE = {"__module__", "__dict__", "__weakref__", "__doc__", "__qualname__", "__firstlineno__", "__static_attributes__"}
 
 #: What stands for objects of whose content nothing is known, by address, which is nobody else's while they are kept.
 _unknown: dict[int, tuple[str, Any]] = {}
@@ -150,9 +159,11 @@ def texts(value: Any) -> frozenset[str]:
 
 def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> dict[str, Any]:
     """Return what stands behind the dots of a module by these names; nothing for any other value."""
-    if not isinstance(value, ModuleType) or value.__name__ in LIBRARIES or value in above:
+    if not isinstance(value, ModuleType) or value in above:
         return {}
     found: dict[str, Any] = {}
+    if value.__name__ in LIBRARIES:  # a program can set another number there
+        return {name: vars(value)[name] for name in sorted(names) if isinstance(vars(value).get(name), NUMBERS)}
     for name in sorted(names):
         item = getattr(value, name, dotted)
         if item is not dotted:
@@ -179,11 +190,15 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         kind = (type(value).__name__, getattr(value, "_fields", ()))
         return (kind, [content(item, above, known) for item in value])
     if type(value) is type:
-        defaults = [content(item, above, known) for item in getattr(value, "_field_defaults", {}).items()]
-        return (value.__name__, getattr(value, "_fields", ()), defaults)
+        stated = value.__flags__ & STATED and value not in above
+        items = getattr(value, "_field_defaults", vars(value)) if stated else {}
+        own = [(key, content(item, (*above, value), known)) for key, item in items.items() if key not in MADE]
+        bases = [content(base, (*above, value), known) for base in value.__bases__] if stated else []
+        return (value.__name__, getattr(value, "_fields", ()), bases, own)
     if isinstance(value, ModuleType):
         return ("module", value.__name__)
-    if isinstance(value, BuiltinFunctionType):  # math and cmath have functions of the same names
+    if isinstance(value, BuiltinFunctionType) and isinstance(value.__self__, (ModuleType, NoneType)):
+        # math and cmath have functions of the same names
         return (value.__module__, value.__qualname__)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
