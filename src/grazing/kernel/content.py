@@ -200,6 +200,9 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
     if isinstance(value, BuiltinFunctionType) and isinstance(value.__self__, (ModuleType, NoneType)):
         # math and cmath have functions of the same names
         return (value.__module__, value.__qualname__)
+    name = getattr(value, "__name__", None)
+    if isinstance(name, str) and vars(np).get(name) is value:
+        return ("numpy", name)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
         return ("array", repr(value.dtype), value.shape, value.strides, numbers)
