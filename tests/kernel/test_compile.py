@@ -536,3 +536,26 @@ def test_a_result_never_names_other_numbers_than_its_code_was_compiled_with():
         assert identity(scope["step"]) != before
         exec("C, A[0] = 1.0, 1.0", scope)
     assert identity(step) == before and compiled(step)(1.0, a) == 0.5
+
+
+@pytest.mark.parametrize("made", [lambda: np.arange(6.0)[::2], lambda: np.arange(200_000.0)], ids=["gaps", "large"])
+@pytest.mark.parametrize("text", ["lambda x: a[1] * x", "lambda x, b=a: b[1] * x", "tupled(a)"])
+def test_the_array_of_one_function_is_not_that_of_an_equal_one(made, text, folder):
+    """Two with equal arrays have one code, which looked into the first of them after that had changed."""
+
+    def tupled(a):
+        both = a, 2.0
+        return lambda x: both[0][1] * x
+
+    def around(inner):
+        return lambda x: inner(x)
+
+    first, second = made(), made()
+    inner = [eval(text, {"a": array, "tupled": tupled}) for array in (first, second)]
+    one, other = (compiled(around(each)) for each in inner)
+    before = one(1.0)
+    assert other(1.0) == before
+    first[1] = 50.0
+    assert other(1.0) == before == inner[1](1.0)
+    inner.append(eval(text, {"a": second.copy(), "tupled": tupled}))
+    assert digest(inner[1]) == digest(inner[2])  # as a worker has it, out of a pickle

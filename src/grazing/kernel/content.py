@@ -205,7 +205,7 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         return ("numpy", name)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return ("array", repr(value.dtype), value.shape, value.strides, numbers)
+        return ("array", repr(value.dtype), value.shape, value.flags.fnc, numbers)
     if isinstance(value, np.void):
         return ("record", repr(value.dtype), value.tobytes())
     if isinstance(value, float):
