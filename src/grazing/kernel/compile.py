@@ -292,7 +292,7 @@ def kept(value: Any) -> Any:
     """Return a value whose arrays nobody else can change: of large ones, or with gaps, code has the place only."""
     if isinstance(value, np.ndarray):
         return np.array(value, order="A", subok=True)
-    if type(value) is tuple or hasattr(value, "_make"):
+    if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
         return getattr(type(value), "_make", tuple)(map(kept, value))
     return value
 
