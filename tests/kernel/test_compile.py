@@ -108,6 +108,7 @@ def test_digest_sees_callees_constants_defaults_and_closures_but_not_lines():
     assert digest(closed(long)) != digest(closed(other))
     assert digest(closed(long)) == digest(closed(long.copy()))
     assert digest(closed({"a": 1.0})) != digest(closed({"a": 1.0}))  # of unknown kinds nothing is found again
+    assert digest(closed({"a": 1.0}.get)) != digest(closed({"a": 1.0}.get))
 
     assert digest(closed(1.0)) != digest(closed(2.0))
     assert digest(closed(1.0)) == digest(closed(1.0))
@@ -166,6 +167,32 @@ TWINS = {
         "try:\n        y = g(x)",
         "y = g(x)\n    try:",
     ),
+    "the lines that an if holds, behind lines that do nothing": (
+        """
+        def f(x, y):
+            if x > 0.0:
+                {0}
+            return y
+        """,
+        "pass\n        pass\n        x = x + 1.0\n    y = x",
+        "x = x + 1.0\n        y = x",
+    ),
+    "the sign of a NaN in a tuple": (
+        "def f(x):\n    for n in ({0}(1e999 - 1e999), 2.0): x = math.copysign(x, n)\n    return x",
+        "",
+        "-",
+    ),
+    "a number of a class": ("class C:\n    K = {0}\ndef f(x): return x * C.K", "2.0", "3.0"),
+    "one of a class below it": (
+        "class B:\n    K = {0}\nclass C(B):\n    __slots__ = ()\n    def f(x): return x * C.K\ndef f(x): return C.f(x)",
+        "2.0",
+        "3.0",
+    ),
+    "how the numbers of an array lie": (
+        "A = np.arange(6.0).reshape(2, 3).copy({0})\ndef f(x): return x * A.strides[0]",
+        "'C'",
+        "'F'",
+    ),
     "what is behind a module that is a default": ("def f(x, m=module({0})): return x * m.K", "2.0", "3.0"),
     "what is behind one that is a keyword's": ("def f(x, *, m=module({0})): return x * m.K", "2.0", "3.0"),
     "a name for getattr that has a name": (
@@ -202,11 +229,22 @@ def test_digest_sees_what_bytecode_and_repr_do_not_show(what):
         return made
 
     def made(change):
-        scope = {"module": module, "math": math, "enum": enum, "__name__": "theirs"}
+        scope = {"module": module, "math": math, "enum": enum, "np": np, "__name__": "theirs"}
         exec(textwrap.dedent(text).replace("{0}", change), scope)
         return digest(scope["f"])
 
     assert made(both[0]) == made(both[0]) != made(both[1])
+
+
+def test_digest_sees_a_number_that_was_set_in_a_library(monkeypatch):
+    """The one behind the dot of a module of one's own was seen, that behind ``math`` was not."""
+
+    def f(x):
+        return x * math.pi
+
+    before = digest(f)
+    monkeypatch.setattr(math, "pi", 3.0)
+    assert digest(f) != before
 
 
 PROGRAM = """
@@ -236,7 +274,8 @@ def test_what_nobody_knows_is_another_in_every_process(monkeypatch):
 
     def said():
         unknown = object()
-        return id(unknown), digest(lambda: unknown), digest(lambda: unknown)
+        sin, clip = np.sin, np.clip
+        return id(unknown), digest(lambda: unknown), digest(lambda: unknown), digest(lambda x: clip(sin(x), 0.0, 1.0))
 
     monkeypatch.setattr(os, "getpid", lambda: 1)
     found = []
@@ -250,9 +289,10 @@ def test_what_nobody_knows_is_another_in_every_process(monkeypatch):
         found.append(json.loads(os.read(read, 1000)))
         os.close(read)
         os.close(write)
-    (place, one, again), (same_place, other, _) = found
+    (place, one, again, known), (same_place, other, _, same_known) = found
     assert place == same_place and one == again
     assert one != other
+    assert known == same_known  # was another: no sweep of a map with ``from numpy import sin`` was gone on with
 
 
 def test_an_edit_in_a_callee_is_never_answered_from_the_cache(tmp_path):
@@ -496,3 +536,26 @@ def test_a_result_never_names_other_numbers_than_its_code_was_compiled_with():
         assert identity(scope["step"]) != before
         exec("C, A[0] = 1.0, 1.0", scope)
     assert identity(step) == before and compiled(step)(1.0, a) == 0.5
+
+
+@pytest.mark.parametrize("made", [lambda: np.arange(6.0)[::2], lambda: np.arange(200_000.0)], ids=["gaps", "large"])
+@pytest.mark.parametrize("text", ["lambda x: a[1] * x", "lambda x, b=a: b[1] * x", "tupled(a)"])
+def test_the_array_of_one_function_is_not_that_of_an_equal_one(made, text, folder):
+    """Two with equal arrays have one code, which looked into the first of them after that had changed."""
+
+    def tupled(a):
+        both = a, 2.0
+        return lambda x: both[0][1] * x
+
+    def around(inner):
+        return lambda x: inner(x)
+
+    first, second = made(), made()
+    inner = [eval(text, {"a": array, "tupled": tupled}) for array in (first, second)]
+    one, other = (compiled(around(each)) for each in inner)
+    before = one(1.0)
+    assert other(1.0) == before
+    first[1] = 50.0
+    assert other(1.0) == before == inner[1](1.0)
+    inner.append(eval(text, {"a": second.copy(), "tupled": tupled}))
+    assert digest(inner[1]) == digest(inner[2])  # as a worker has it, out of a pickle

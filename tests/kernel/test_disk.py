@@ -112,6 +112,12 @@ def test_processes_that_keep_the_same_kernel_at_once_never_read_half_of_it(tmp_p
     assert [each.name for each in tmp_path.iterdir()] == [files.called("key")]
 
 
+def test_a_file_that_nobody_wrote_to_its_end_is_not_read(kept):
+    """It was read into memory, a hole of any size."""
+    os.truncate(kept, disk.LARGEST + 1)
+    assert "it is larger than 67108864 bytes" in heals(kept)
+
+
 class Marker:
     """What runs when it is unpickled."""
 
@@ -243,6 +249,24 @@ def test_a_relative_folder_stays_where_it_was_when_the_process_goes_elsewhere(tm
     disk.folders.cache_clear()
     assert found == tmp_path / "kept" and fallback.parent == tmp_path
     assert {path.name for path in tmp_path.iterdir()} == {"kept", fallback.name}
+
+
+@pytest.mark.parametrize("fallback", [False, True])
+def test_a_link_that_leads_elsewhere_later_is_not_followed(fallback, tmp_path, monkeypatch):
+    """Whoever can write where the link is chose the folder into which a process writes."""
+    link, places = tmp_path / "link", [tmp_path / "here", tmp_path / "elsewhere"]
+    for place in places:
+        place.mkdir(mode=0o700)
+    link.symlink_to(places[0])
+    monkeypatch.setenv("GRAZING_CACHE", str(link))
+    monkeypatch.setattr(disk.tempfile, "tempdir", str(link))
+    disk.folders.cache_clear()
+    found = disk._private_folder() if fallback else disk.cache_folder()
+    disk.folders.cache_clear()
+    link.unlink()
+    link.symlink_to(places[1])
+    disk.KernelFiles(found, "k").save("key", 1)
+    assert [len(list(place.rglob("*.nbc"))) for place in places] == [1, 0]
 
 
 def test_a_linked_fallback_is_not_used(tmp_path, monkeypatch):

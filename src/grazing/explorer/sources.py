@@ -51,7 +51,7 @@ def _without_docstrings(tree: ast.AST) -> ast.AST:
 
 
 def _described(value: Any, seen: dict[str, str]) -> str:
-    value = getattr(getattr(value, "py_func", None), "__wrapped__", value)
+    value = getattr(getattr(value, "py_func", None), "original", value)
     value = next((primitive for primitive, form in forms().items() if form is value), value)
     if not isinstance(value, FunctionType):
         if isinstance(value, float):

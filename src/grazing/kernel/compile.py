@@ -18,6 +18,8 @@ from functools import cache
 from types import CellType, FunctionType, ModuleType
 from typing import Any
 
+import numpy as np
+
 from grazing.kernel.content import COMPILED, Known, below, compiled_as, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
@@ -280,10 +282,19 @@ def seen(value: Any) -> Any:
     name of its own, while that of a tuple is taken out of all of it at each place.
     """
     if not hasattr(value, "_asdict") or not all(type(item) is int for item in value):
-        return value
+        return kept(value)
     module = ModuleType(type(value).__name__)
     vars(module).update(value._asdict())
     return module
+
+
+def kept(value: Any) -> Any:
+    """Return a value whose arrays nobody else can change: of large ones, or with gaps, code has the place only."""
+    if isinstance(value, np.ndarray):
+        return np.array(value, order="A", subok=True)
+    if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
+        return getattr(type(value), "_make", tuple)(map(kept, value))
+    return value
 
 
 def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:
@@ -294,14 +305,14 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
 
     def code(value: Any) -> Any:
         if not isinstance(value, FunctionType):
-            return value
+            return kept(value)
         return replace(value) if is_kernel(value) else forms().get(value, value)
 
     names |= {name: code(value) if callable(value) else seen(value) for name, value in named(function).items()}
     cells = tuple(CellType(code(cell.cell_contents)) for cell in function.__closure__ or ())
-    copy = FunctionType(function.__code__, names, function.__name__, function.__defaults__, cells)
+    copy = FunctionType(function.__code__, names, function.__name__, kept(function.__defaults__), cells)
     copy.__kwdefaults__ = function.__kwdefaults__
-    copy.__wrapped__ = function  # type: ignore[attr-defined]
+    copy.original = function  # type: ignore[attr-defined]  # not __wrapped__: its defaults would be taken
     return copy
 
 

@@ -6,10 +6,11 @@ import dis
 import hashlib
 import inspect
 import math
+from bisect import bisect_left
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType
+from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType, NoneType
 from typing import Any
 from uuid import uuid4
 
@@ -27,8 +28,14 @@ COMPILED = "grazing.kernel"
 #: Modules whose names say what stands behind their dots, beside the version of numba.
 LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
+#: Numbers of Python.
+NUMBERS = (int, float, complex)
+
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
+
+#: The instructions whose argument says where to go on.
+JUMPS = {*dis.hasjrel, *dis.hasjabs}
 
 #: The bits of the NaN that has no sign.
 NAN = np.array(math.nan).tobytes()
@@ -38,6 +45,12 @@ Known = dict[FunctionType, str]
 
 #: Hashes of functions as they were when each was first compiled in this process: its code stays that of then.
 compiled_as: Known = {}
+
+#: The flag of classes that a ``class`` has made.
+STATED = 1 << 9
+
+#: What every class has, and what changes nothing.
+MADE = {"__module__", "__dict__", "__weakref__", "__doc__", "__qualname__", "__firstlineno__", "__static_attributes__"}
 
 #: What stands for objects of whose content nothing is known, by address, which is nobody else's while they are kept.
 _unknown: dict[int, tuple[str, Any]] = {}
@@ -146,9 +159,11 @@ def texts(value: Any) -> frozenset[str]:
 
 def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> dict[str, Any]:
     """Return what stands behind the dots of a module by these names; nothing for any other value."""
-    if not isinstance(value, ModuleType) or value.__name__ in LIBRARIES or value in above:
+    if not isinstance(value, ModuleType) or value in above:
         return {}
     found: dict[str, Any] = {}
+    if value.__name__ in LIBRARIES:  # a program can set another number there
+        return {name: vars(value)[name] for name in sorted(names) if isinstance(vars(value).get(name), NUMBERS)}
     for name in sorted(names):
         item = getattr(value, name, dotted)
         if item is not dotted:
@@ -175,15 +190,22 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         kind = (type(value).__name__, getattr(value, "_fields", ()))
         return (kind, [content(item, above, known) for item in value])
     if type(value) is type:
-        defaults = [content(item, above, known) for item in getattr(value, "_field_defaults", {}).items()]
-        return (value.__name__, getattr(value, "_fields", ()), defaults)
+        stated = value.__flags__ & STATED and value not in above
+        items = getattr(value, "_field_defaults", vars(value)) if stated else {}
+        own = [(key, content(item, (*above, value), known)) for key, item in items.items() if key not in MADE]
+        bases = [content(base, (*above, value), known) for base in value.__bases__] if stated else []
+        return (value.__name__, getattr(value, "_fields", ()), bases, own)
     if isinstance(value, ModuleType):
         return ("module", value.__name__)
-    if isinstance(value, BuiltinFunctionType):  # math and cmath have functions of the same names
+    if isinstance(value, BuiltinFunctionType) and isinstance(value.__self__, (ModuleType, NoneType)):
+        # math and cmath have functions of the same names
         return (value.__module__, value.__qualname__)
+    name = getattr(value, "__name__", None)
+    if isinstance(name, str) and vars(np).get(name) is value:
+        return ("numpy", name)
     if isinstance(value, np.ndarray):
         numbers = hashlib.sha256(np.ascontiguousarray(value).tobytes()).hexdigest()
-        return ("array", repr(value.dtype), value.shape, numbers)
+        return ("array", repr(value.dtype), value.shape, value.flags.fnc, numbers)
     if isinstance(value, np.void):
         return ("record", repr(value.dtype), value.tobytes())
     if isinstance(value, float):
@@ -233,15 +255,23 @@ def coded(code: CodeType) -> Any:
     """Return what the code of a function does, without the file and the lines that it stands in, and its docstring.
 
     Constants stand where they are used: ``python -OO`` has none in the docstring's place, and numbers all others anew.
+    So do the ends of jumps and of what a ``try`` holds, as places among the instructions that are left.
     """
-    consts = code.co_consts  # not op.argval, which does not know the names of keywords
-    steps = [
-        (op.opcode, _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg)
-        for op in instructions(code)
-    ]
+    consts, places = code.co_consts, [op.offset for op in instructions(code)]
+
+    def said(op: dis.Instruction) -> Any:
+        if op.opcode in JUMPS:
+            return bisect_left(places, op.argval)
+        # not op.argval, which does not know the names of keywords
+        return _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg
+
+    steps = [(op.opcode, said(op)) for op in instructions(code)]
     stars = code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
     taken = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, stars)
-    tries = [code.co_exceptiontable] if code.co_exceptiontable else []  # where they begin and end
+    tries = [
+        (*(bisect_left(places, end) for end in (held.start, held.end, held.target)), held.depth, held.lasti)
+        for held in dis.Bytecode(code).exception_entries  # type: ignore[attr-defined]
+    ]
     return (steps, taken, code.co_names, code.co_varnames, code.co_freevars, *tries)
 
 
@@ -249,6 +279,8 @@ def _said(constant: Any) -> Any:
     """Return what a constant is; a set of texts has another order in every process."""
     if isinstance(constant, CodeType):
         return coded(constant)
+    if isinstance(constant, tuple):
+        return ("tuple", [_said(item) for item in constant])
     said = repr(sorted(map(repr, constant))) if isinstance(constant, frozenset) else shown(constant)
     return (type(constant).__name__, said)
 

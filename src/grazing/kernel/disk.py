@@ -23,6 +23,8 @@ from grazing.writing import EFFECTIVE, put, remove_left
 
 #: What a file begins with; its SHA-256 follows.
 MAGIC = b"grazing kernel\n"
+#: Bytes of a file beyond which it is none of ours, a hundred times the largest: it is not read.
+LARGEST = 2**26
 
 
 def cache_folder() -> Path | None:
@@ -47,6 +49,7 @@ def folders() -> tuple[Path | None, Path | None]:
             raise OSError("this user has no home")
         wanted.parent.mkdir(parents=True, exist_ok=True)
         wanted.mkdir(mode=0o700, exist_ok=True)
+        wanted = wanted.resolve()  # so that it stays this folder when a link on the way to it leads elsewhere
         reason = others_can_write(wanted)
         trusted = not reason and os.access(wanted, os.X_OK, effective_ids=EFFECTIVE)  # else no file in it can be opened
         if not reason:
@@ -98,7 +101,7 @@ def _private_folder() -> Path | None:
         folder.mkdir(mode=0o700, exist_ok=True)
         linked = stat.S_ISLNK(folder.lstat().st_mode)
         if not linked and folder.is_dir() and not others_can_write(folder) and os.access(folder, os.W_OK | os.X_OK):
-            return folder
+            return folder.resolve()
     with suppress(OSError):
         return Path(tempfile.mkdtemp(prefix="grazing-"))
     return None
@@ -195,6 +198,8 @@ def _read(file: Path, source: os.stat_result | None) -> bytes:
         found = os.fstat(opened)
         if not stat.S_ISREG(found.st_mode):
             raise ValueError("it is no file")
+        if found.st_size > LARGEST:
+            raise ValueError(f"it is larger than {LARGEST} bytes")
         if not _ours(found) and not (source is not None and found.st_uid == source.st_uid):
             raise ValueError(f"it belongs to user {found.st_uid}")
         if hasattr(os, "getuid") and found.st_mode & 0o022 & ~(source.st_mode if source is not None else 0):
