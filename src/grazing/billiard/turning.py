@@ -83,7 +83,7 @@ def piece_at(t: float, phase: float, row: Any, pieces: Any) -> Any:
 def direction_at(t: float, begin: float, piece: Any) -> Any:
     """Return (x, y, angle turned): the direction of a flipper at a time of a flight, in a piece of its motion."""
     cx, cy = piece[CX], piece[CY]
-    if piece[OMEGA] == 0.0 or t == begin:
+    if piece[OMEGA] == 0.0:
         return cx, cy, 0.0
     turned = piece[OMEGA] * (t - begin)
     s, c = sincos(turned)
@@ -237,36 +237,35 @@ def at_surface(
 
     A crossing of the line of a side beyond its ends is none: the ball is then behind the line, until it comes back.
     """
-    flags, outside = OK, True
-    seen = look(start, flight, kind, row, begin, piece)
-    (h, dh, k), (e, d, b), _at = seen
-    if fresh:
-        if rests(dh, k, e):
-            return start, 0.0, TOO_MANY_IMPACTS if piece[OMEGA] != 0.0 and kind == AT_TIP else STUCK
-        if piece[OMEGA] != 0.0 and k > b and abs(dh) <= d:  # it moves away, if as fast as nothing at first
-            start, fresh = clear_until(flight, kind, row, begin, piece, end), False
-            seen = look(start, flight, kind, row, begin, piece)
-        elif dh < -d or (dh <= 0.0 and k <= 0.0):  # it has begun to move towards the ball
-            return start, e / max(-dh, d), OK
-    if kind == AT_TIP and piece[OMEGA] == 0.0:
-        cx, cy = row[PX] + row[ARM] * piece[CX], row[PY] + row[ARM] * piece[CY]
-        _dx, _dy, vx, vy, g, x, y = flight
-        return crossing(x - cx, y - cy, vx, vy, g, row[TIP], 1.0, start, fresh, end)
-    if kind != AT_TIP and not fresh:
-        outside = h >= -e
-    t = start
-    for _ in range(LOOKS):
+    flags, outside, t, omega = OK, True, start, piece[OMEGA]
+    for n in range(LOOKS):
+        seen = look(t, flight, kind, row, begin, piece)
+        if n == 0:
+            (h, dh, k), (e, d, b), _at = seen
+            leaves = fresh and omega != 0.0 and k > b and abs(dh) <= d  # if as fast as nothing at first
+            if fresh:
+                if rests(dh, k, e):
+                    return t, 0.0, TOO_MANY_IMPACTS if omega != 0.0 and kind == AT_TIP else STUCK
+                if not leaves and (dh < -d or (dh <= 0.0 and k <= 0.0)):  # it has begun to move towards the ball
+                    return t, e / max(-dh, d), OK
+            if kind == AT_TIP and omega == 0.0:
+                cx, cy = row[PX] + row[ARM] * piece[CX], row[PY] + row[ARM] * piece[CY]
+                _dx, _dy, vx, vy, g, x, y = flight
+                return crossing(x - cx, y - cy, vx, vy, g, row[TIP], 1.0, t, fresh, end)
+            outside = kind == AT_TIP or (fresh and not leaves) or h >= -e
+            if leaves:
+                t, fresh = clear_until(flight, kind, row, begin, piece, end), False
+                continue
         t, late, said = turned(seen, flight, kind, row, begin, piece, 1.0 if outside else -1.0, t, fresh, end)
         flags |= said
         if t == INFINITY or said & FATAL or kind == AT_TIP:
             return t, late, flags
         if outside:
             foot, unsure = foot_at(t, flight, kind, row, begin, piece)
-            unsure += late * (abs(flight[2]) + abs(flight[3]) + flight[4] * t + abs(piece[OMEGA]) * row[REACH])
+            unsure += late * (abs(flight[2]) + abs(flight[3]) + flight[4] * t + abs(omega) * row[REACH])
             if foot >= -unsure and foot <= row[LONG] + unsure:
                 return t, late, flags
         outside, fresh = not outside, True
-        seen = look(t, flight, kind, row, begin, piece)
     return t, 0.0, flags | TOO_MANY_SWINGS
 
 
