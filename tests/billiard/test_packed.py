@@ -160,7 +160,7 @@ def test_a_circle_that_is_left_out_has_no_step_before_what_was_found():
             w[row : row + 8] = values
         w[W.TIME : W.TIME + 8], w[W.LAST : W.LAST + 8] = random.choice([0.1, 1.0, 10.0, np.inf]) / scale, -1.0
         of_all_circles(w, 8, 0, 1, circle.ravel(), g)
-        near(w, 0, *circle[0, :3], 0.0, g)
+        near(w, 8, *circle[0, :3], 0.0, g)
         for i in np.flatnonzero(w[W.ONE : W.ONE + 8] == 0.0):
             dx, dy = place[i] - circle[0, :2]
             step, said = first_step(dx, dy, w[W.VX + i], w[W.VY + i], g, circle[0, 2], False, w[W.PART + i])

@@ -13,6 +13,7 @@ from collections import namedtuple
 from pathlib import Path
 from types import ModuleType
 
+import numba
 import numpy as np
 import pytest
 
@@ -275,7 +276,16 @@ def test_what_nobody_knows_is_another_in_every_process(monkeypatch):
     def said():
         unknown = object()
         sin, clip = np.sin, np.clip
-        return id(unknown), digest(lambda: unknown), digest(lambda: unknown), digest(lambda x: clip(sin(x), 0.0, 1.0))
+
+        class Theirs:
+            __slots__ = ("b",)
+            a: float
+            made = staticmethod(lambda x: 2.0 * x)
+            again = classmethod(lambda cls, x: 3.0 * x)
+            half = property(lambda self: 0.5 * self.b)
+
+        known = digest(lambda x: (clip(sin(x), 0.0, 1.0), Theirs, numba.TypingError))
+        return id(unknown), digest(lambda: unknown), digest(lambda: unknown), known
 
     monkeypatch.setattr(os, "getpid", lambda: 1)
     found = []
@@ -539,7 +549,10 @@ def test_a_result_never_names_other_numbers_than_its_code_was_compiled_with():
 
 
 @pytest.mark.parametrize("made", [lambda: np.arange(6.0)[::2], lambda: np.arange(200_000.0)], ids=["gaps", "large"])
-@pytest.mark.parametrize("text", ["lambda x: a[1] * x", "lambda x, b=a: b[1] * x", "tupled(a)"])
+@pytest.mark.parametrize(
+    "text",
+    ["lambda x: a[1] * x", "lambda x, b=a: b[1] * x", "tupled(a)", "lambda x: module.a[1] * x", "moduled(a)"],
+)
 def test_the_array_of_one_function_is_not_that_of_an_equal_one(made, text, folder):
     """Two with equal arrays have one code, which looked into the first of them after that had changed."""
 
@@ -547,15 +560,29 @@ def test_the_array_of_one_function_is_not_that_of_an_equal_one(made, text, folde
         both = a, 2.0
         return lambda x: both[0][1] * x
 
+    def behind(a):
+        found = ModuleType("theirs")
+        found.a = found.b = a
+        found.inner = ModuleType("below")
+        found.inner.pair = a, 1.0
+        return found
+
+    def moduled(a):
+        module = behind(a)
+        return lambda x, m=module: m.inner.pair[0][1] * x
+
+    def scope(a):
+        return {"a": a, "tupled": tupled, "moduled": moduled, "module": behind(a)}
+
     def around(inner):
         return lambda x: inner(x)
 
     first, second = made(), made()
-    inner = [eval(text, {"a": array, "tupled": tupled}) for array in (first, second)]
+    inner = [eval(text, scope(array)) for array in (first, second)]
     one, other = (compiled(around(each)) for each in inner)
     before = one(1.0)
     assert other(1.0) == before
     first[1] = 50.0
     assert other(1.0) == before == inner[1](1.0)
-    inner.append(eval(text, {"a": second.copy(), "tupled": tupled}))
+    inner.append(eval(text, scope(second.copy())))
     assert digest(inner[1]) == digest(inner[2])  # as a worker has it, out of a pickle

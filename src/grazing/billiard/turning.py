@@ -29,7 +29,19 @@ from grazing.billiard.flippers import (
     TIP,
 )
 from grazing.billiard.flippers import COSINE as LEAN
-from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, ROOTS, crossing, rests, safe_step, slid_off, touches
+from grazing.billiard.gaps import (
+    DEEP,
+    EPS,
+    GAP,
+    LOOKS,
+    ROOTS,
+    crossing,
+    first_guess,
+    rests,
+    safe_step,
+    slid_off,
+    touches,
+)
 from grazing.billiard.gaps import LEAST as SHORT
 from grazing.kernel.elementary import sincos
 from grazing.kernel.primitives import behind, inlined
@@ -161,8 +173,7 @@ def landing(h: float, dh: float, k: float, sign: float, t: float, reach: float, 
 
     The first guess is that of its second derivative now; a gap within its rounding is good for one more step.
     """
-    a, b, D = 0.0, reach, dh * dh - 4.0 * k * h
-    s = min(2.0 * h / (sqrt(D) - dh), b) if D > 0.0 else 0.0
+    s, a, b = first_guess(h, dh, k, reach), 0.0, reach
     for _ in range(ROOTS):
         (h, dh, _k), (e, _d, _b), _at = look(t + s, flight, kind, row, begin, piece)
         h, dh = sign * h, sign * dh

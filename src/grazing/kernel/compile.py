@@ -12,7 +12,7 @@ import hashlib
 import os
 import sys
 import threading
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
 from types import CellType, FunctionType, ModuleType
@@ -20,7 +20,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import COMPILED, Known, below, compiled_as, digest, is_kernel, named
+from grazing.kernel.content import COMPILED, LIBRARIES, Known, behind, below, compiled_as, digest, is_kernel, named
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
 from grazing.kernel.prepared import told as said_to_numba
@@ -275,26 +275,39 @@ def _units(function: FunctionType) -> list[FunctionType]:
     return [each for each, unit in found.items() if unit]
 
 
-def seen(value: Any) -> Any:
+def seen(value: Any, names: Collection[str] = ()) -> Any:
     """Return a value as the compiler is to see it.
 
     A record of whole numbers becomes a module: what stands behind the dot of a module is a constant, as if it had a
     name of its own, while that of a tuple is taken out of all of it at each place.
     """
     if not hasattr(value, "_asdict") or not all(type(item) is int for item in value):
-        return kept(value)
+        return kept(value, names)
     module = ModuleType(type(value).__name__)
     vars(module).update(value._asdict())
     return module
 
 
-def kept(value: Any) -> Any:
-    """Return a value whose arrays nobody else can change: of large ones, or with gaps, code has the place only."""
+def kept(value: Any, names: Collection[str] = (), above: tuple[ModuleType, ...] = ()) -> Any:
+    """Return a value whose arrays nobody else can change: of large ones, or with gaps, code has the place only.
+
+    ``names`` are those that may stand behind the dot of a module; one that has arrays there becomes one of its own.
+    """
     if isinstance(value, np.ndarray):
         return np.array(value, order="A", subok=True)
     if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
-        return getattr(type(value), "_make", tuple)(map(kept, value))
-    return value
+        items = [kept(item, names, above) for item in value]
+        changed = any(new is not old for new, old in zip(items, value, strict=True))
+        return getattr(type(value), "_make", tuple)(items) if changed else value
+    if not isinstance(value, ModuleType) or value.__name__ in LIBRARIES or value in above:
+        return value
+    found = {name: getattr(value, name) for name in names if hasattr(value, name)}
+    copies = {name: kept(item, names, (*above, value)) for name, item in found.items()}
+    if all(copies[name] is item for name, item in found.items()):
+        return value
+    copy = ModuleType(value.__name__)
+    vars(copy).update(copies)
+    return copy
 
 
 def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:
@@ -303,15 +316,17 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     # notebook, of a file of one's own
     names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
 
+    dots = {part for each in behind(function).values() for name in each for part in name.split(".")}
+
     def code(value: Any) -> Any:
         if not isinstance(value, FunctionType):
-            return kept(value)
+            return kept(value, dots)
         return replace(value) if is_kernel(value) else forms().get(value, value)
 
-    names |= {name: code(value) if callable(value) else seen(value) for name, value in named(function).items()}
+    names |= {name: code(value) if callable(value) else seen(value, dots) for name, value in named(function).items()}
     cells = tuple(CellType(code(cell.cell_contents)) for cell in function.__closure__ or ())
-    copy = FunctionType(function.__code__, names, function.__name__, kept(function.__defaults__), cells)
-    copy.__kwdefaults__ = function.__kwdefaults__
+    copy = FunctionType(function.__code__, names, function.__name__, kept(function.__defaults__, dots), cells)
+    copy.__kwdefaults__ = {name: kept(value, dots) for name, value in (function.__kwdefaults__ or {}).items()}
     copy.original = function  # type: ignore[attr-defined]  # not __wrapped__: its defaults would be taken
     return copy
 

@@ -10,7 +10,15 @@ from bisect import bisect_left
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
-from types import BuiltinFunctionType, CodeType, FunctionType, ModuleType, NoneType
+from types import (
+    BuiltinFunctionType,
+    CodeType,
+    FunctionType,
+    GetSetDescriptorType,
+    MemberDescriptorType,
+    ModuleType,
+    NoneType,
+)
 from typing import Any
 from uuid import uuid4
 
@@ -50,7 +58,10 @@ compiled_as: Known = {}
 STATED = 1 << 9
 
 #: What every class has, and what changes nothing.
-MADE = {"__module__", "__dict__", "__weakref__", "__doc__", "__qualname__", "__firstlineno__", "__static_attributes__"}
+MADE = {
+    "__module__", "__dict__", "__weakref__", "__doc__", "__qualname__", "__firstlineno__", "__static_attributes__",
+    "__annotations__", "__annotate_func__", "__annotations_cache__",
+}  # fmt: skip
 
 #: What stands for objects of whose content nothing is known, by address, which is nobody else's while they are kept.
 _unknown: dict[int, tuple[str, Any]] = {}
@@ -189,6 +200,13 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
     if isinstance(value, tuple):
         kind = (type(value).__name__, getattr(value, "_fields", ()))
         return (kind, [content(item, above, known) for item in value])
+    if isinstance(value, (staticmethod, classmethod, property)):
+        parts = (value.fget, value.fset, value.fdel) if isinstance(value, property) else (value.__func__,)
+        return (type(value).__name__, [content(part, above, known) for part in parts])
+    if isinstance(value, (MemberDescriptorType, GetSetDescriptorType)):
+        return ("slot", value.__name__)
+    if type(value) is type and value.__module__.partition(".")[0] in LIBRARIES:
+        return (value.__module__, value.__qualname__)
     if type(value) is type:
         stated = value.__flags__ & STATED and value not in above
         items = getattr(value, "_field_defaults", vars(value)) if stated else {}

@@ -121,7 +121,7 @@ def _followed(
         )
         starts.append(x if moved is None else moved)
     with warnings.catch_warnings():  # what a law does to orbits of the study itself has been said
-        warnings.filterwarnings("ignore", ".* outcome bad_law", RuntimeWarning)
+        warnings.filterwarnings("ignore", "(?s).* outcome bad_law", RuntimeWarning)
         points, letters, outcomes = there.run(np.array(starts).T.copy(), transient, keep)
     found = classify(there, points, letters, outcomes[0])
     return {
