@@ -71,9 +71,7 @@ def _check_bits(P: Map, starts: NDArray[np.float64], steps: int) -> None:
             alike, why = _equal(here, orbit.points[i + 1]), ""
             with np.errstate(all="ignore"):
                 if not alike and np.allclose(here, orbit.points[i + 1], rtol=1e-12, atol=0.0, equal_nan=True):
-                    why = (
-                        "; by rounding alone: x**3 is compiled as the product x*x*x, so write that in code of your own"
-                    )
+                    why = "; by rounding alone: x**3 is compiled as x*x*x, so write that in code of your own"
             assert alike, said + why
             assert letter == orbit.letters[i], said
             if outcome & FATAL or not np.isfinite(state).all():
