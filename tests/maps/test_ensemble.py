@@ -5,7 +5,6 @@ import json
 import os
 import subprocess
 import sys
-from inspect import unwrap
 from pathlib import Path
 
 import numpy as np
@@ -504,7 +503,7 @@ def test_plain_python_gives_the_bits_of_strict_compiled_code():
 def test_of_other_walls_what_is_large_is_not_compiled_anew(walls):
     """Tables, impacts over a wall and questions to the certificate are units, which kernels of all walls share."""
     over, walled = (
-        set(units_of(unwrap(getattr(entry, "py_func", entry))))
+        set(units_of(getattr(getattr(entry, "py_func", entry), "original", entry)))
         for entry in (ensemble(setting, 1, "strict") for setting in (above_wall(1), between_walls(1, walls)))
     )
     assert {cells.fill_table, certify, find_cycles} <= over & walled

@@ -80,7 +80,7 @@ def test_attributes_say_how_it_came_about():
         (lambda: adding_tree(0.5, 0.1, 2, "LRR"), "give two words of L and R"),
         (lambda: adding_tree(float("nan"), 0.1, 2), "lam = nan"),
         (lambda: adding_tree(1.5, 0.1, 2), r"give span=\(low, high\)"),
-        (lambda: adding_tree(0.9, 1e308, 3, span=(0.0, 1e308)), "l = 1e.308 is not allowed; l must be .* up to 1e100"),
+        (lambda: adding_tree(0.9, 1e308, 3, span=(0.0, 1e308)), "l = 1e.308 is not allowed; l must be .* up to 1e.100"),
     ],
 )
 def test_error_texts(call, said):

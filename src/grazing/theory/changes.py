@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from grazing.outcome import InputError, shown
-from grazing.theory._inputs import FloatArray
+from grazing.theory._inputs import LARGEST, FloatArray
 from grazing.theory.collisions import collisions
 from grazing.theory.edges import mu_bc, mu_gr
 from grazing.theory.words import WordOrbit, blocks_of, checked_word, finite, root_length, word_orbits
@@ -102,7 +102,7 @@ def word_edges(word: str, lam: float, l: float, span: tuple[float, float] | None
     >>> round(edges.pd[0], 6), round(edges.bc[0], 6)
     (0.181577, 0.224377)
     """
-    word, lam, l = checked_word(word), finite("lam", lam), finite("l", l)
+    word, lam, l = checked_word(word), finite("lam", lam, LARGEST), finite("l", l, LARGEST)
     low, high = _span(word, lam, l, span)
     if "R" not in word:
         inside = lam != 1.0 and low <= 0.0 <= high and root_length(word) == len(word)
@@ -154,7 +154,7 @@ def both_windows(
     word: str, lam: float, l: float, span: tuple[float, float] | None = None
 ) -> tuple[tuple[WordWindow, ...], tuple[WordWindow, ...]]:
     """Return the intervals with a stable orbit and those with any, as :func:`word_windows` does."""
-    word, lam, l = checked_word(word), finite("lam", lam), finite("l", l)
+    word, lam, l = checked_word(word), finite("lam", lam, LARGEST), finite("l", l, LARGEST)
     low, high = _span(word, lam, l, span)
     if "R" not in word:
         return _left_windows(word, lam, low, high, True), _left_windows(word, lam, low, high, False)
@@ -190,7 +190,7 @@ def _span(word: str, lam: float, l: float, span: Any) -> tuple[float, float]:
             raise InputError(
                 f"span = {shown(span)} is not allowed; give the pair (low, high) of values of mu"
             ) from None
-        low, high = finite("span", first), finite("span", second)
+        low, high = finite("span", first, LARGEST), finite("span", second, LARGEST)
         if not low < high:
             raise InputError(f"span = ({shown(low)}, {shown(high)}) is not allowed; the lower end must come first")
         return low, high

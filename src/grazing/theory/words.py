@@ -15,7 +15,7 @@ from typing import NamedTuple
 import numpy as np
 
 from grazing.outcome import InputError, OutsideForm, abridged, shown
-from grazing.theory._inputs import LARGEST, FloatArray
+from grazing.theory._inputs import FloatArray
 
 __all__ = ["WordOrbit", "word_orbits"]
 
@@ -144,7 +144,7 @@ def root_length(word: str) -> int:
     return (word + word).index(word, 1)
 
 
-def finite(name: str, value: object) -> float:
+def finite(name: str, value: object, largest: float = math.inf) -> float:
     """Check one number and return it as a float; unlike in the propositions it may have any sign."""
     try:
         if isinstance(value, (bool, str, bytes)) or np.iscomplexobj(value) or np.ndim(value):  # type: ignore[arg-type]
@@ -154,8 +154,10 @@ def finite(name: str, value: object) -> float:
         number = math.nan
     if not math.isfinite(number):
         raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number")
-    if abs(number) > LARGEST:
-        raise InputError(f"{name} = {shown(value)} is not allowed; {name} must be a finite number up to 1e100 in size")
+    if abs(number) > largest:
+        raise InputError(
+            f"{name} = {shown(value)} is not allowed; {name} must be a finite number up to {largest:g} in size"
+        )
     return number
 
 
