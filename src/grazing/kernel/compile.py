@@ -315,7 +315,6 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
     names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
-
     dots = {part for each in behind(function).values() for name in each for part in name.split(".")}
 
     def code(value: Any) -> Any:
