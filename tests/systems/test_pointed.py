@@ -82,3 +82,11 @@ def test_one_code_serves_all_values_and_the_map_as_well():
     one, two = (Q.replace(**{"A.r": r}).iterate((0.1, 0.3), 20)[1:] for r in (0.8, 0.5))
     assert np.array_equal(whole.points[0, :, :, 0], one) and np.array_equal(whole.points[1, :, :, 0], two)
     assert not np.array_equal(one, two)
+
+
+def test_a_system_is_compiled_once_for_both_arithmetics():
+    P = gz.stroboscopic_map(SYSTEM)
+    rows = np.array([list(P.params.values())])
+    _address.cache_clear()
+    code = {P.origin.derivative(rows, arithmetic).rows[0, 0] for arithmetic in ("fast", "strict")}
+    assert code == {place_of(SYSTEM)[0][0]} and _address.cache_info().misses == 1

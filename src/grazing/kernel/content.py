@@ -6,7 +6,6 @@ import dis
 import hashlib
 import inspect
 import math
-from bisect import bisect_left
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
@@ -42,8 +41,8 @@ NUMBERS = (int, float, complex)
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
 
-#: The instructions whose argument says where to go on.
-JUMPS = {*dis.hasjrel, *dis.hasjabs}
+#: The instructions that a function begins with.
+FIRST = {"COPY_FREE_VARS", "MAKE_CELL", "RESUME", "NOP"}
 
 #: The bits of the NaN that has no sign.
 NAN = np.array(math.nan).tobytes()
@@ -127,7 +126,7 @@ def below(function: FunctionType) -> list[FunctionType]:
 def global_names(code: CodeType) -> frozenset[str]:
     """Return the global names of a function; not those behind a dot, which may only look like one."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    own = {op.argval for op in instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
     return frozenset(own.union(*(global_names(const) for const in inner)))
 
 
@@ -181,12 +180,6 @@ def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> di
             found[name] = item
             found |= {f"{name}.{key}": each for key, each in dotted(item, names, (*above, value)).items()}
     return found
-
-
-@lru_cache(maxsize=4096)
-def instructions(code: CodeType) -> tuple[dis.Instruction, ...]:
-    """Return the instructions of a function, without those that do nothing themselves."""
-    return tuple(op for op in dis.get_instructions(code) if op.opname not in ("EXTENDED_ARG", "NOP"))
 
 
 def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
@@ -273,24 +266,18 @@ def coded(code: CodeType) -> Any:
     """Return what the code of a function does, without the file and the lines that it stands in, and its docstring.
 
     Constants stand where they are used: ``python -OO`` has none in the docstring's place, and numbers all others anew.
-    So do the ends of jumps and of what a ``try`` holds, as places among the instructions that are left.
+    The docstring leaves an instruction that does nothing, in front of all others but those that every function has.
     """
-    consts, places = code.co_consts, [op.offset for op in instructions(code)]
-
-    def said(op: dis.Instruction) -> Any:
-        if op.opcode in JUMPS:
-            return bisect_left(places, op.argval)
-        # not op.argval, which does not know the names of keywords
-        return _said(consts[op.arg]) if op.arg is not None and op.opcode in dis.hasconst else op.arg
-
-    steps = [(op.opcode, said(op)) for op in instructions(code)]
+    consts, steps, begins = code.co_consts, [], True
+    for op in dis.get_instructions(code):
+        begins = begins and op.opname in FIRST
+        if not (begins and op.opname == "NOP"):
+            # not op.argval, which does not know the names of keywords
+            constant = op.arg is not None and op.opcode in dis.hasconst
+            steps.append((op.opcode, _said(consts[op.arg]) if constant else op.arg))  # type: ignore[index]
     stars = code.co_flags & (inspect.CO_VARARGS | inspect.CO_VARKEYWORDS)
     taken = (code.co_argcount, code.co_posonlyargcount, code.co_kwonlyargcount, stars)
-    tries = [
-        (*(bisect_left(places, end) for end in (held.start, held.end, held.target)), held.depth, held.lasti)
-        for held in dis.Bytecode(code).exception_entries  # type: ignore[attr-defined]
-    ]
-    return (steps, taken, code.co_names, code.co_varnames, code.co_freevars, *tries)
+    return (steps, taken, code.co_names, code.co_varnames, code.co_freevars, code.co_exceptiontable)
 
 
 def _said(constant: Any) -> Any:

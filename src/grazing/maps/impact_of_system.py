@@ -163,7 +163,7 @@ class Returned(OfSystem):
 
     def derivative(self, rows: Floats, arithmetic: str = "strict") -> Derived:
         """Return the derivative of the map, compiled once for all systems with as many positions."""
-        return self._derived(pointed_return(len(self.system.coordinates), self.timed, self.leaves), rows, arithmetic)
+        return self._derived(pointed_return(len(self.system.coordinates), self.timed, self.leaves), rows)
 
     def start_of(self, state: Sequence[float]) -> tuple[float, tuple[float, ...]]:
         """Return the time at which a state stands, and the coordinates of the system."""

@@ -151,7 +151,7 @@ class OfSystem(Origin):
         self.system = system
 
     def _derived(
-        self, pointed: tuple[Callable[..., Any], Callable[..., Any], type], rows: Floats, arithmetic: str, *said: Any
+        self, pointed: tuple[Callable[..., Any], Callable[..., Any], type], rows: Floats, *said: Any
     ) -> Derived:
         """Return the derivative of a map at rows of its parameters, which stand in its table behind what is read."""
         step, derived, kind = pointed
@@ -159,7 +159,7 @@ class OfSystem(Origin):
         front = len(Place._fields) + len(said)
         first = front + len(widths)
         table = np.empty((len(rows), first + rows.shape[1]))
-        table[:, 0] = system_address(self.system, arithmetic)
+        table[:, 0] = system_address(self.system)
         table[:, 1] = table.ctypes.data + table.strides[0] * np.arange(len(rows)) + table.itemsize * first
         for i, values in enumerate(said):
             table[:, len(Place._fields) + i] = values
@@ -174,7 +174,7 @@ class Strobed(OfSystem):
         """Return the derivative of the map, compiled once for all systems with as many positions."""
         walls = len(self.system.surfaces)
         pointed = pointed_map(len(self.system.coordinates))
-        return self._derived(pointed, rows, arithmetic, rows[:, -1], walls, most_of(walls))
+        return self._derived(pointed, rows, rows[:, -1], walls, most_of(walls))
 
     def check(self, state: Sequence[float], params: Mapping[str, float]) -> None:
         """Raise InputError for a start inside a surface."""

@@ -64,21 +64,22 @@ def pointed_of(positions: int) -> Asked:
     return Asked(flight, gap, bound, law, contact, period)
 
 
-def system_address(system: System, arithmetic: str = "strict") -> float:
-    """Compile the functions of a system; return where the code lies that answers for them."""
+def system_address(system: System) -> float:
+    """Compile the functions of a system, in strict arithmetic; return where the code lies that answers for them."""
     kind = parameter_tuple(tuple(system.params))
-    return _address(kind, arithmetic, f"{system.name}", system.clock, *system.parts)
+    return _address(kind, f"{system.name}", system.clock, *system.parts)
 
 
 def place_of(system: System) -> tuple[Floats, Floats]:
-    """Return the numbers of a :class:`Place`, in strict arithmetic, and those that it points to: they must live on."""
+    """Return the numbers of a :class:`Place`, and those that it points to: they must live on."""
     source = np.array(list(system.params.values()) or [0.0])
     return np.array([system_address(system), source.ctypes.data], np.float64), source
 
 
 @lru_cache(maxsize=256)
-def _address(kind: type, arithmetic: str, who: str, *parts: Any) -> float:
-    return address(_answer(kind, *parts), "derivative", arithmetic, who)
+def _address(kind: type, who: str, *parts: Any) -> float:
+    # not once more in fast arithmetic: that takes three seconds, and the march is no faster
+    return address(_answer(kind, *parts), "derivative", "strict", who)
 
 
 @lru_cache(maxsize=256)
