@@ -29,6 +29,12 @@ SOURCE = str(Path(grazing.__file__).parents[1])
 WIDE = pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
 
 
+def own_module(**values):
+    made = ModuleType("theirs")
+    vars(made).update(values)
+    return made
+
+
 def inner(x):
     return 3.0 * x
 
@@ -237,15 +243,21 @@ def test_digest_sees_what_bytecode_and_repr_do_not_show(what):
     assert made(both[0]) == made(both[0]) != made(both[1])
 
 
-def test_digest_sees_a_number_that_was_set_in_a_library(monkeypatch):
-    """The one behind the dot of a module of one's own was seen, that behind ``math`` was not."""
-
-    def f(x):
-        return x * math.pi
-
-    before = digest(f)
-    monkeypatch.setattr(math, "pi", 3.0)
-    assert digest(f) != before
+@pytest.mark.parametrize(
+    ("library", "name", "value", "function"),
+    [
+        (math, "pi", 3.0, lambda x: x * math.pi),
+        (math, "pair", (3.0, 1.0), lambda x: x * math.pair[0]),
+        (np, "row", np.ones(2), lambda x: x * np.row[0]),
+        (np.linalg, "K", 3.0, lambda x: x * np.linalg.K),
+        (np, "mine", own_module(K=3.0), lambda x: x * np.mine.K),
+    ],
+)
+def test_digest_sees_what_was_set_in_a_library(monkeypatch, library, name, value, function):
+    """What is behind the dot of a module of one's own was seen, that behind ``math`` or ``numpy`` was not."""
+    before = digest(function)
+    monkeypatch.setattr(library, name, value, raising=False)
+    assert digest(function) != before
 
 
 PROGRAM = """
@@ -426,6 +438,45 @@ def test_a_users_function_may_have_the_name_of_a_primitive():
         return built(x) + 1.0
 
     assert compiled(calls)(3.0) == 7.0
+
+
+@pytest.mark.parametrize(
+    ("text", "said"),
+    [
+        ("def g(n, x): return n.K * x\ndef f(x): return g(m, x)", "g is given a module"),
+        ("def g(n, x): return n[1].K * x\ndef f(x): return g((1.0, m), x)", "g is given a module"),
+        ("def g(): return m\ndef f(x): return g().K * x", "g returns a module"),
+        ("def g(n, x): return getattr(m, n) * x\ndef f(x): return g('K', x)", "g is given a text and names a module"),
+    ],
+)
+def test_what_is_behind_a_module_is_taken_where_the_module_is_named(text, said):
+    """Neither hash held the number: kernels went on with the old one, from the disk, too."""
+    scope = {"m": ModuleType("theirs")}
+    scope["m"].K = 2.0
+    exec(text, scope)
+    with pytest.raises(UserCodeError, match=said):
+        call(compiled(scope["f"]), 1.5)
+
+
+def test_a_default_keeps_its_sign():
+    """To numba a default of -0.0 is that of 0.0 which it has met."""
+
+    def calling(zero):
+        def sign(x, of=zero):
+            return math.copysign(x, of)
+
+        return lambda x: sign(x)
+
+    assert [compiled(calling(zero))(1.0) for zero in (0.0, -0.0)] == [1.0, -1.0]
+
+
+def test_a_function_whose_closure_is_not_complete_is_refused():
+    def f(x):
+        return later * x
+
+    with pytest.raises(InputError, match="f names what has no value yet"):
+        compiled(f)
+    later = 2.0
 
 
 def test_recursion_is_refused():

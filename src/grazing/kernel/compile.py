@@ -9,6 +9,7 @@ edit anywhere below a kernel can never be answered from an old file.
 from __future__ import annotations
 
 import hashlib
+import math
 import os
 import sys
 import threading
@@ -20,7 +21,18 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import COMPILED, LIBRARIES, Known, behind, below, compiled_as, digest, is_kernel, named
+from grazing.kernel.content import (
+    COMPILED,
+    LIBRARIES,
+    Known,
+    behind,
+    below,
+    compiled_as,
+    digest,
+    enclosed,
+    is_kernel,
+    named,
+)
 from grazing.kernel.disk import cache_folder as cache_folder
 from grazing.kernel.prepared import family, own
 from grazing.kernel.prepared import told as said_to_numba
@@ -240,6 +252,8 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
         link_carefully()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
+    if role != "entry":
+        dispatcher.compile = _knowing(function, dispatcher)
     for each, said in known.items():
         compiled_as.setdefault(each, said)
     if role != "part":
@@ -261,6 +275,33 @@ def _inner_jit(function: FunctionType, arithmetic: str, known: Known) -> Any:
     if _inner[key] is None:
         raise UserCodeError(f"{function.__name__} calls itself; a kernel must not be recursive")
     return _inner[key]
+
+
+def _knowing(function: FunctionType, dispatcher: Any) -> Callable[[Any], Any]:
+    """Return what compiles a kernel that another one calls, and refuses what neither of their hashes holds.
+
+    What stands behind the dot of a module is compiled where the dot is, and hashed where the module has its name: these
+    must be in one function.
+    """
+    from numba import types
+
+    compile = dispatcher.compile
+
+    def has_module(kind: Any) -> bool:
+        return isinstance(kind, types.Module) or any(map(has_module, getattr(kind, "types", ())))
+
+    def checked(sig: Any) -> Any:
+        args = tuple(getattr(sig, "args", sig))
+        if any(map(has_module, args)):
+            raise UserCodeError(f"{function.__name__} is given a module; give it the numbers that it takes from there")
+        if any(isinstance(kind, types.StringLiteral) for kind in args) and behind(function):
+            raise UserCodeError(f"{function.__name__} is given a text and names a module; name there what it takes")
+        made = compile(sig)
+        if has_module(dispatcher.overloads[args].signature.return_type):
+            raise UserCodeError(f"{function.__name__} returns a module; return the numbers that are taken from there")
+        return made
+
+    return checked
 
 
 def _units(function: FunctionType) -> list[FunctionType]:
@@ -295,6 +336,8 @@ def kept(value: Any, names: Collection[str] = (), above: tuple[ModuleType, ...] 
     """
     if isinstance(value, np.ndarray):
         return np.array(value, order="A", subok=True)
+    if type(value) is float and value == 0.0 and math.copysign(1.0, value) < 0.0:
+        return np.float64(value)  # a default of -0.0 is one of 0.0 to the compiler, whichever came first
     if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
         items = [kept(item, names, above) for item in value]
         changed = any(new is not old for new, old in zip(items, value, strict=True))
@@ -323,7 +366,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
         return replace(value) if is_kernel(value) else forms().get(value, value)
 
     names |= {name: code(value) if callable(value) else seen(value, dots) for name, value in named(function).items()}
-    cells = tuple(CellType(code(cell.cell_contents)) for cell in function.__closure__ or ())
+    cells = tuple(CellType(code(item)) for item in enclosed(function))
     copy = FunctionType(function.__code__, names, function.__name__, kept(function.__defaults__, dots), cells)
     copy.__kwdefaults__ = {name: kept(value, dots) for name, value in (function.__kwdefaults__ or {}).items()}
     copy.original = function  # type: ignore[attr-defined]  # not __wrapped__: its defaults would be taken

@@ -35,8 +35,8 @@ COMPILED = "grazing.kernel"
 #: Modules whose names say what stands behind their dots, beside the version of numba.
 LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
-#: Numbers of Python.
-NUMBERS = (int, float, complex)
+#: What a program can set in a library, and the compiler freezes.
+VALUES = (int, float, complex, np.generic, np.ndarray, str, bytes, tuple)
 
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
@@ -118,8 +118,21 @@ def named(function: FunctionType) -> dict[str, Any]:
 
 def below(function: FunctionType) -> list[FunctionType]:
     """Return the kernels that a function names, globally or in its closure."""
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    return [value for value in (*named(function).values(), *cells) if is_kernel(value)]
+    return [value for value in (*named(function).values(), *enclosed(function)) if is_kernel(value)]
+
+
+def enclosed(function: FunctionType) -> list[Any]:
+    """Return the values in the closure of a function.
+
+    Raises
+    ------
+    InputError
+        If one of them has no value yet.
+    """
+    try:
+        return [cell.cell_contents for cell in function.__closure__ or ()]
+    except ValueError:
+        raise InputError(f"{function.__name__} names what has no value yet; define it later") from None
 
 
 @lru_cache(maxsize=4096)
@@ -139,8 +152,7 @@ def attributes(code: CodeType) -> frozenset[str]:
 
 def frozen(function: FunctionType) -> dict[str, Any]:
     """Return all values that stand in a function by a name, a place in its closure, or as a default."""
-    cells = [cell.cell_contents for cell in function.__closure__ or ()]
-    found = {f"{i}": value for i, value in enumerate((*cells, *(function.__defaults__ or ())))}
+    found = {f"{i}": value for i, value in enumerate((*enclosed(function), *(function.__defaults__ or ())))}
     return named(function) | found | {f"{key}=": value for key, value in (function.__kwdefaults__ or {}).items()}
 
 
@@ -172,11 +184,12 @@ def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> di
     if not isinstance(value, ModuleType) or value in above:
         return {}
     found: dict[str, Any] = {}
-    if value.__name__ in LIBRARIES:  # a program can set another number there
-        return {name: vars(value)[name] for name in sorted(names) if isinstance(vars(value).get(name), NUMBERS)}
+    library = value.__name__.partition(".")[0] in LIBRARIES
     for name in sorted(names):
-        item = getattr(value, name, dotted)
-        if item is not dotted:
+        item = vars(value).get(name, dotted) if library else getattr(value, name, dotted)
+        if library and isinstance(item, ModuleType):
+            found |= {f"{name}.{key}": each for key, each in dotted(item, names, (*above, value)).items()}
+        elif item is not dotted and (not library or isinstance(item, VALUES)):  # a program can set others there
             found[name] = item
             found |= {f"{name}.{key}": each for key, each in dotted(item, names, (*above, value)).items()}
     return found
@@ -242,12 +255,12 @@ def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
         said, more = content(item, above, known), taken.get(key)
         return (said, [(name, content(each, above, known)) for name, each in more.items()]) if more else said
 
-    cells, defaults = value.__closure__ or (), value.__defaults__ or ()
+    cells, defaults = enclosed(value), value.__defaults__ or ()
     return (
         [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],
         coded(value.__code__),
         [(name, of(item, name)) for name, item in named(value).items()],
-        [of(cell.cell_contents, f"{i}") for i, cell in enumerate(cells)],
+        [of(item, f"{i}") for i, item in enumerate(cells)],
         [of(default, f"{i}") for i, default in enumerate(defaults, len(cells))],
         sorted((name, of(default, f"{name}=")) for name, default in (value.__kwdefaults__ or {}).items()),
     )
