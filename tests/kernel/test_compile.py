@@ -458,6 +458,19 @@ def test_what_is_behind_a_module_is_taken_where_the_module_is_named(text, said):
         call(compiled(scope["f"]), 1.5)
 
 
+def test_a_record_of_whole_numbers_may_be_handed_on():
+    """To the compiler it is a module, but its numbers are hashed where it has its name."""
+    kind = namedtuple("kind", "a b")
+
+    def taken(record, x):
+        return record.a * x
+
+    def handing(record):
+        return lambda x: taken(record, x)
+
+    assert [compiled(handing(kind(a, 3)))(1.5) for a in (2, 5, 2)] == [3.0, 7.5, 3.0]
+
+
 def test_a_default_keeps_its_sign():
     """To numba a default of -0.0 is that of 0.0 which it has met."""
 

@@ -288,7 +288,9 @@ def _knowing(function: FunctionType, dispatcher: Any) -> Callable[[Any], Any]:
     compile = dispatcher.compile
 
     def has_module(kind: Any) -> bool:
-        return isinstance(kind, types.Module) or any(map(has_module, getattr(kind, "types", ())))
+        if isinstance(kind, types.Module):
+            return not isinstance(kind.pymod, Seen)  # whose numbers are all hashed where it has its name
+        return any(map(has_module, getattr(kind, "types", ())))
 
     def checked(sig: Any) -> Any:
         args = tuple(getattr(sig, "args", sig))
@@ -316,6 +318,10 @@ def _units(function: FunctionType) -> list[FunctionType]:
     return [each for each, unit in found.items() if unit]
 
 
+class Seen(ModuleType):
+    """A record of whole numbers, as the compiler sees it."""
+
+
 def seen(value: Any, names: Collection[str] = ()) -> Any:
     """Return a value as the compiler is to see it.
 
@@ -324,7 +330,7 @@ def seen(value: Any, names: Collection[str] = ()) -> Any:
     """
     if not hasattr(value, "_asdict") or not all(type(item) is int for item in value):
         return kept(value, names)
-    module = ModuleType(type(value).__name__)
+    module = Seen(f"{type(value).__name__} {tuple(value)}")  # code that is given it is called by that
     vars(module).update(value._asdict())
     return module
 
