@@ -331,7 +331,7 @@ function build() {
   // a button that a mouse has pressed leaves the keys to the picture; so does what has no use for a key
   addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
   addEventListener("keydown", (event) => {
-    const target = /** @type {HTMLElement} */ (event.target), picture = /** @type {HTMLElement | null} */ (document.querySelector(".view:not([hidden]) .first canvas")), { key, shiftKey } = event, free = target === document.body;
+    const target = /** @type {HTMLElement} */ (event.target), picture = seen(), { key, shiftKey } = event, free = target === document.body;
     if (!picture || event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
     if (picture.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, cancelable: true }))) return;
     event.preventDefault();
@@ -353,6 +353,9 @@ function read(hash) {
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
 }
+
+/** The picture that has the keys. */
+const seen = () => all(".view canvas[tabindex]").find((each) => each.offsetParent);
 
 /** Draw all once more. */
 const again = () => (failed ? refresh() : page.repaint());
