@@ -480,7 +480,7 @@ def test_the_key_that_presents_waits_for_no_kernels(shown, address, file):
 CUT = """() => {
   const { top, bottom } = document.querySelector(".below").getBoundingClientRect();
   return [...document.querySelectorAll("#summary p")].filter((e) => e.checkVisibility()).filter((e) => {
-    const lines = [...e.getClientRects()], seen = lines.filter((line) => line.top > top - 1 && line.bottom < bottom + 1);
+    const lines = [...e.getClientRects()], seen = lines.filter((l) => l.top > top - 1 && l.bottom < bottom + 1);
     return seen.length && seen.length < lines.length || lines.some((l) => l.top < bottom - 4 && l.bottom > bottom + 4);
   }).map((e) => e.textContent);
 }"""
@@ -490,11 +490,12 @@ def test_on_a_low_screen_the_cobweb_is_large_and_no_sentence_is_cut(opened, addr
     shown = opened("gap", (1280, 720))
     page = shown.page
     page.keyboard.press("p")
+    at = "&l=0.1&lam=0.5&mu=0.15"
     side = "() => { const { box, zoom } = explorer.views.gap.cobweb.axes; return box.w * zoom; }"
     for more, least in (
         ("", 280),
-        ("&tour=7&l=0.1&lam=0.5&mu=0.15", 320),
-        ("&tour=7&answer=3&l=0.1&lam=0.5&mu=0.15", 320),
+        (f"&tour=7{at}", 320),
+        (f"&tour=7&answer=3{at}", 320),
     ):
         page.goto(f"{address}#version=2&view=gap&columns=60&web=4{more}")
         shown.until(f"() => explorer.state().tour === {7 if more else 0} && document.querySelector('#summary p')")

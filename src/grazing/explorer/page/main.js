@@ -288,16 +288,18 @@ function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) {
     button.hidden = !CHOICES.view.includes(button.dataset.view ?? "");
-    button.addEventListener("click", () => change({ view: button.dataset.view }));
+    button.addEventListener("click", () => change({ view: button.dataset.view, ...(button.dataset.view === "chart" ? { chart: chartOf(state) } : {}) }));
   }
   $("preset").hidden = $("tour").hidden = Boolean(BROUGHT.model?.map);
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   const asked = Object.assign(document.createElement("optgroup"), { label: "Exercises" });
-  for (const [title, [ask, link]] of Object.entries(EXERCISES)) asked.append(new Option(title, `${link}&note=${encodeURIComponent(ask)}`));
+  const table = /** @type {HTMLAnchorElement | null} */ (document.querySelector("nav a"));
+  for (const [title, [ask, link]] of Object.entries(EXERCISES)) if (table || !link.startsWith("#table")) asked.append(new Option(title, `${link}&note=${encodeURIComponent(ask)}`));
   $("preset").append(asked);
   $("preset").addEventListener("change", () => {
     const { value } = $("preset");
     if (value in PRESETS) present(PRESETS[value].state);
+    else if (table && value.startsWith("#table")) location.href = table.href + value;
     else if (value) location.hash = value;
   });
   if (pool) pinned = new Pinned($("pin"), pool, { fields, change, problem: (text) => problem(text, "picture"), view: comparable, state: () => state });
@@ -353,6 +355,9 @@ function read(hash) {
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
 }
+
+/** The chart of the system that is seen. @param {State} state */
+const chartOf = ({ view, chart }) => (["gap", "edges"].includes(view) ? "gap" : chart === "gap" && view !== "chart" ? "oscillator" : chart);
 
 /** The picture that has the keys. */
 const seen = () => all(".view canvas[tabindex]").find((each) => each.offsetParent);
