@@ -333,12 +333,18 @@ function build() {
   // a button that a mouse has pressed leaves the keys to the picture; so does what has no use for a key
   addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
   addEventListener("keydown", (event) => {
-    const target = /** @type {HTMLElement} */ (event.target), picture = seen(), { key, shiftKey } = event, free = target === document.body;
-    if (!picture || event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
-    if (picture.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, cancelable: true }))) return;
+    const target = /** @type {HTMLElement} */ (event.target), pictures = seen(), { key } = event, free = target === document.body;
+    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
+    const took = offered(event, pictures);
+    if (took < 0) return;
     event.preventDefault();
-    if (free) picture.focus({ preventScroll: true });
+    if (free && took === 0) pictures[0].focus({ preventScroll: true });
   }, true);
+  addEventListener("keydown", (event) => {
+    const { target, defaultPrevented, ctrlKey, metaKey, altKey } = event;
+    if (/** @type {HTMLElement} */ (target).tagName !== "CANVAS" || defaultPrevented || ctrlKey || metaKey || altKey) return;
+    if (offered(event, seen().filter((each) => each !== target)) >= 0) event.preventDefault();
+  });
   const sizes = new ResizeObserver(again);
   for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }
@@ -356,11 +362,14 @@ function read(hash) {
   refresh();
 }
 
+/** Offer a key to pictures, and say which of them took it. @param {KeyboardEvent} event @param {HTMLElement[]} pictures */
+const offered = ({ key, shiftKey }, pictures) => pictures.findIndex((each) => !each.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, cancelable: true })));
+
 /** The chart of the system that is seen. @param {State} state */
 const chartOf = ({ view, chart }) => (["gap", "edges"].includes(view) ? "gap" : chart === "gap" && view !== "chart" ? "oscillator" : chart);
 
-/** The picture that has the keys. */
-const seen = () => all(".view canvas[tabindex]").find((each) => each.offsetParent);
+/** The pictures that have the keys, each those that the ones before do not take. */
+const seen = () => all(".view canvas[tabindex]").filter((each) => each.offsetParent);
 
 /** Draw all once more. */
 const again = () => (failed ? refresh() : page.repaint());
