@@ -523,3 +523,14 @@ def test_at_a_desk_the_cobweb_fills_its_card(opened):
         "return [box.x, canvas.clientWidth - box.x - box.w, card.clientHeight - box.h]; }"
     )
     assert under < 130 and left + right < 120
+
+
+def test_on_a_low_screen_an_exercise_leaves_room_for_its_pictures(opened, address):
+    shown = opened("ball", (1280, 720))
+    note = "%20many%20words%20of%20a%20question" * 5
+    shown.open(f"{address}#version=2&view=ball&columns=60&twin=yes&V=0&omega=6&offset=-0.2&reach=-0.3:0&note=Say{note}")
+    shown.page.keyboard.press("p")
+    shown.until("() => document.querySelector('#rate').innerText.includes('λ')")
+    shown.page.wait_for_timeout(100)
+    for canvas in ("strip", "ball-diagram"):
+        assert shown.page.locator(f"#{canvas}").bounding_box()["height"] > 220
