@@ -141,6 +141,11 @@ def test_what_a_click_asks_waits_for_no_diagram(shown, address):
         ("law=newton&vary=V", "vary=V; the law newton has no V", [0.05, 0.16]),
         ("law=active&vary=trigger", "vary=trigger; the law active has no trigger", [0.05, 0.16]),
         ("law=newton&second=V", "second=V; the law newton has no V", [0.05, 0.16]),
+        ("t0=1e300", "t0=1e+300; allowed is |t0| ≤ 454545454545454.5 at omega = 2.2", [0.05, 0.16]),
+        ("phase=-1e99", "phase=-1e+99; allowed is |phase| ≤ 454545454545454.5", [0.05, 0.16]),
+        ("ball=0.1:0:1e300", "ball=0.1:0:1e+300; allowed is |time| ≤ 454545454545454.5", [0.05, 0.16]),
+        ("vary=t0&reach=0:1e300", "reach=0:1e+300: allowed is |t0| ≤ 454545454545454.5", [0, 6]),
+        ("vary=omega&t0=9&reach=1:1e300", "reach=1:1e+300: allowed is |t0| ≤ 9.99", [0.2, 6]),
         ("tour=3&view=ball", "tour=3 shows the view oscillator, not ball", [0.05, 0.16]),
     ],
 )

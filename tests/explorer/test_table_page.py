@@ -20,7 +20,7 @@ def opened(shown, address, fragment="#v=1&table=classic", still=True):
         shown.page.emulate_media(reduced_motion="reduce")
     shown.page.goto(address.replace("index.html", "") + "table.html" + fragment)
     shown.page.evaluate(COARSE)
-    shown.until("() => window.pinball && pinball.game() && pinball.exits()")
+    shown.until("() => Boolean(window.pinball && pinball.game() && pinball.exits())")
     return shown.page
 
 
@@ -459,6 +459,13 @@ def test_a_link_that_cannot_be_read_is_explained(shown, address, fragment, said)
     page = opened(shown, address, fragment)
     assert said in page.inner_text("#problem p")
     assert page.evaluate(f"() => {GAME}.table.objects.length") > 10  # and the machine is there
+
+
+def test_a_link_with_a_ball_that_hits_too_often_does_not_keep_the_page(shown, address):
+    """Gravity of 1e12 made some 50 million impacts a look, and the page never came to its next picture."""
+    page = opened(shown, address, "#v=1&table=classic&start=5.275,0.7,0,17&g=1e12")
+    shown.until("() => document.getElementById('said').textContent.startsWith('The ball hits too often')")
+    assert page.evaluate(f"() => {GAME}.hits.length") < 100_100
 
 
 def test_what_cannot_be_loaded_is_said(shown, address):

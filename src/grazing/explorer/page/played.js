@@ -38,8 +38,8 @@ const NUDGES = 3, CALM = 2;
 const WIDTH = 20, TIME = 0, SURFACE = 1, OWNER = 2, BEFORE = 3, SAID = 5, LAST = 10, NEXT = 14;
 /** Numbers of a ball that is followed among many, and where its outcome is. */
 const BALL = 9, FLAGS = 8;
-/** Impacts of a ghost in one look at most. */
-const MOST = 400;
+/** Impacts of a ghost in one look at most, and of the ball in a game: a link may make gravity so strong that looks would never end. */
+const MOST = 400, HITS = 1e5;
 
 export class Played {
   /** @type {Hit[]} all impacts of the ball */ hits = [];
@@ -262,6 +262,7 @@ export class Played {
           more = true;
         }
       }
+      if (this.hits.length >= HITS) this.end ||= "too often";
     }
     this.t = this.end ? Math.max(this.t, Math.min(until, this.#now[0])) : until;
     this.#ghosts();

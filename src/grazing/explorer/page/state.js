@@ -158,6 +158,12 @@ export function allowed(field, [low, high]) {
   return [Math.max(low, least), Math.min(high, most)];
 }
 
+/** Radians beyond which a double has no phase: some would be looked for without an end. Python refuses the same. */
+const LATEST = 1e15;
+
+/** Why a time is too late for a frequency, in words; empty if it is not. @param {"t0" | "phase" | "ball"} name @param {State} state */
+const late = (name, state) => (Math.abs((name === "ball" ? (state.ball?.[2] ?? 0) : state[name]) * state.omega) > LATEST ? `allowed is |${name === "ball" ? "time" : name}| ≤ ${LATEST / state.omega} at omega = ${state.omega}: beyond, doubles are too coarse` : "");
+
 /** One value of a fragment, or an Error that says what is wrong with it. @param {string} key @param {string} text @param {Fields} fields */
 function read(key, text, fields) {
   const number = (/** @type {string} */ word) => (word.trim() === "" ? NaN : Number(word));
@@ -277,8 +283,14 @@ export function mended(state, fields, given = []) {
     say("sigma_B", `sigma_B=${state.sigma_B}; the second wall is above the first: allowed is sigma_B ≥ ${tidy(state.sigma + ROOM, 1)}`);
     state.sigma_B = tidy(state.sigma + ROOM, 1);
   }
+  for (const name of /** @type {const} */ (["t0", "phase", "ball"])) {
+    const why = late(name, state);
+    if (!why) continue;
+    say(name, `${name}=${[state[name]].flat().join(":")}; ${why}`);
+    Object.assign(state, { [name]: DEFAULTS[name] });
+  }
   for (const [axis, name] of /** @type {["reach" | "heights", string][]} */ ([["reach", state.vary], ["heights", state.second]])) {
-    const why = state[axis].map((end) => refusal(name, end, fields)).filter(Boolean);
+    const why = state[axis].flatMap((end) => [refusal(name, end, fields), late("t0", { ...state, [name]: end })]).filter(Boolean);
     const [low, high] = state[axis], most = state.sigma_B - ROOM, least = state.sigma + ROOM;
     if (state.two && name === "sigma" && high > most) {
       say(axis, `${axis}=${low}:${high}: the second wall is at sigma_B = ${state.sigma_B}`);
