@@ -297,7 +297,7 @@ def test_all_that_is_wrong_is_told_at_once():
 @pytest.mark.parametrize("gap", [math.nan, -1e-3])
 def test_a_wrong_gap_of_a_wall_is_told_by_its_name_alone(gap):
     walls = {"walls": "A=newton,B=newton", "parameters": {"A.gap": "1 mm", "B.gap": gap, "A.r": 0.5, "B.r": 0.5}}
-    with pytest.raises(InputError, match="si: B.gap = ") as error:
+    with pytest.raises(InputError, match=r"si: B\.gap = ") as error:
         checked({"study": "diagram", "si": "m=1,c=1,k=1,force=1", "vary": {"frequency": "1:2:3"}} | walls)
     assert "\n" not in str(error.value)
 
