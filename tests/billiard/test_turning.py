@@ -11,7 +11,7 @@ from grazing.billiard import check, turning
 from grazing.billiard.exact import exact_contact
 from grazing.billiard.flippers import AT_TIP, LONG, row_of
 from grazing.billiard.flown import FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
-from grazing.billiard.turning import clear_of, foot_at, look
+from grazing.billiard.turning import at_surface, clear_of, foot_at, look
 from grazing.outcome import AMBIGUOUS, INSIDE_WALL
 from tests.billiard.flippers import KINDS, grazing, least_gap, pair
 from tests.billiard.tables import ELASTIC
@@ -81,6 +81,29 @@ def test_no_graze_of_a_flipper_of_twenty_thousand_is_missed():
 def test_a_surface_of_a_flipper_that_is_clear_is_not_touched(count=250):
     """Against places along the flight: it crosses no side between its ends, and stays out of the tip."""
     random, clear = np.random.default_rng(6), np.zeros(3, int)
+    for start, end, how in some_flights(random, count):
+        sure, _side = clear_of(start, end, how[0], *how[1:])
+        for kind in np.flatnonzero(sure):
+            clear[kind] += 1
+            assert is_clear(kind, np.linspace(start, end, 60), how)
+    assert (clear > 0.2 * count).all() and (clear < 0.8 * count).all()
+
+
+def test_a_ball_before_the_line_of_a_side_touches_nothing_else_of_a_flipper(count=250):
+    random, apart, hits = np.random.default_rng(7), 0, 0
+    for start, end, how in some_flights(random, count):
+        _sure, first = clear_of(start, end, how[0], *how[1:])
+        t, _late, _flags, alone = at_surface(how[0], first, *how[1:], start, False, end)
+        if not alone:
+            continue
+        apart, hits, times = apart + 1, hits + (t < end), np.linspace(start, min(t, end), 60)[:-1]
+        assert min(look(t, how[0], first, *how[1:])[0][0] for t in times) > 0.0
+        assert all(is_clear(kind, times, how) for kind in range(3) if kind != first)
+    assert apart > 0.4 * count and hits > 0.02 * count
+
+
+def some_flights(random, count):
+    """Yield begin, end and (flight, row, begin of the piece, piece) of flights around a flipper."""
     for _ in range(count):
         hub, tip = random.uniform(0.05, 0.4, 2)
         row = row_of({"x": 0.0, "y": 0.0, "length": 1.0, "hub": hub, "tip": tip}, 0.1, 0.0, 0.0, 0.0)
@@ -90,20 +113,17 @@ def test_a_surface_of_a_flipper_that_is_clear_is_not_touched(count=250):
         g = float(random.choice([0.0, 1.0, 60.0]))
         if g > 1.0:  # it rises and falls meanwhile
             vy = 0.5 * g * (start + end)
-        flight = dx, dy - vy * start, vx, vy, g, dx, dy - vy * start
-        for kind, sure in enumerate(clear_of(start, end, flight, row, piece[0], piece)):
-            if not sure:
-                continue
-            clear[kind] += 1
-            times = np.linspace(start, end, 60)
-            h = np.array([look(t, flight, kind, row, piece[0], piece)[0][0] for t in times])
-            foot = np.array([foot_at(t, flight, kind, row, piece[0], piece)[0] for t in times])
-            if kind == AT_TIP:
-                assert h.min() > 0.0
-                continue
-            on = (foot >= 0.0) & (foot <= row[LONG])
-            assert not (on[1:] & on[:-1] & (h[1:] * h[:-1] <= 0.0)).any()
-    assert (clear > 0.2 * count).all() and (clear < 0.8 * count).all()
+        yield start, end, ((dx, dy - vy * start, vx, vy, g, dx, dy - vy * start), row, piece[0], piece)
+
+
+def is_clear(kind, times, how):
+    """Say whether a ball is never in the tip, or crosses no side between its ends, from one time to the next."""
+    h = np.array([look(t, how[0], kind, *how[1:])[0][0] for t in times])
+    if kind == AT_TIP:
+        return h.min() > 0.0
+    foot = np.array([foot_at(t, how[0], kind, *how[1:])[0] for t in times])
+    on = (foot >= 0.0) & (foot <= how[1][LONG])
+    return not (on[1:] & on[:-1] & (h[1:] * h[:-1] <= 0.0)).any()
 
 
 @pytest.mark.parametrize("rho", [0.05, 0.15])

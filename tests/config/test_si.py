@@ -294,6 +294,14 @@ def test_all_that_is_wrong_is_told_at_once():
     assert str(error.value).count("\n") == 3 and "m = -1" in str(error.value)  # and r, of the law
 
 
+@pytest.mark.parametrize("gap", [math.nan, -1e-3])
+def test_a_wrong_gap_of_a_wall_is_told_by_its_name_alone(gap):
+    walls = {"walls": "A=newton,B=newton", "parameters": {"A.gap": "1 mm", "B.gap": gap, "A.r": 0.5, "B.r": 0.5}}
+    with pytest.raises(InputError, match=r"si: B\.gap = ") as error:
+        checked({"study": "diagram", "si": "m=1,c=1,k=1,force=1", "vary": {"frequency": "1:2:3"}} | walls)
+    assert "\n" not in str(error.value)
+
+
 @pytest.mark.parametrize("si", [{}, "m", 3, {"x": 1.0}, {"m": 1.0, "frequency": "1 m"}])
 @pytest.mark.parametrize("vary", [{"frequency": [1.0, 2.0]}, {"frequency": "5:19"}, {"frequency": 3}])
 def test_what_stands_for_a_wrong_table_is_no_error_itself(si, vary):

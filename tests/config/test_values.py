@@ -113,6 +113,7 @@ def test_text_and_lists_say_the_same(name, check, value):
         (pairs, 3, "low:high for each coordinate"),
         (states, 0, "a whole number >= 1, or states"),
         (states, "many", "a whole number >= 1, or states"),
+        (states, "0.1", "0.1; is one of one number"),
         (states, "0.1,x;0.2,0", "is not a real number"),
         (numbers, {}, "give a list of numbers"),
         (by_name, "v", "give coordinate=value"),

@@ -37,7 +37,7 @@ REST = """async () => {
   document.getElementById("end").click();
   for (const each of document.querySelectorAll("#controls details")) each.open = false;
   document.getElementById("said").textContent = "";
-  document.getElementById("times").value = "1";
+  document.getElementById("times").value = "1920";
   document.querySelector("#problem button").click();
   document.activeElement.blur();
   scrollTo(0, 0);

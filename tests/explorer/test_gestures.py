@@ -468,6 +468,7 @@ def test_between_walls_the_ball_is_slung_and_a_wall_that_comes_down_takes_it_alo
 @pytest.mark.parametrize(("canvas", "axes"), [("phase", "axes"), ("strip", "strip.axes")])
 def test_the_wheel_zooms_the_portrait_and_the_turns_of_the_strip(shown, address, canvas, axes):
     shown.open(f"{address}#version=2&view=ball&columns=20&bins=20")
+    shown.until("() => !explorer.views.ball.search.waiting")
     axes, ball = f"explorer.views.ball.{axes}", state(shown, "ball")
     before, (x, y) = ends(shown, axes), place(shown, canvas, 0.6, 0.4)
     under = at(shown, axes, x, y)
@@ -480,4 +481,42 @@ def test_the_wheel_zooms_the_portrait_and_the_turns_of_the_strip(shown, address,
     shown.page.focus(f"#{canvas}")
     shown.page.keyboard.press("0")
     np.testing.assert_allclose(ends(shown, axes), before)
+    # a box with Shift is the part that is seen then: of the strip, so many turns
+    corners = [place(shown, canvas, 0.3, 0.25), place(shown, canvas, 0.6, 0.6)]
+    boxed = np.transpose([at(shown, axes, *corner) for corner in corners])
+    shown.page.keyboard.down("Shift")
+    drag(shown, *corners)
+    shown.page.keyboard.up("Shift")
+    after = ends(shown, axes)
+    if canvas == "phase":
+        np.testing.assert_allclose(after, np.sort(boxed), rtol=1e-6)
+    else:
+        assert abs(np.ptp(after[0]) - np.ptp(boxed[0])) < 0.02
     assert state(shown, "ball") == ball  # nothing was thrown
+
+
+@pytest.mark.parametrize(("canvas", "axes"), [("phase", "axes"), ("strip", "strip.axes")])
+def test_two_fingers_zoom_the_portrait_and_the_turns_of_the_strip(phone, address, canvas, axes):
+    phone.open(f"{address}#version=2&view=ball&columns=20&bins=20")
+    axes, ball = f"explorer.views.ball.{axes}", state(phone, "ball")
+    (x, y), before = place(phone, canvas, 0.6, 0.4), ends(phone, axes)
+    scrolled = phone.page.evaluate("() => scrollY")
+    for first, sign, grown in ((30, 1, 0.5), (60, -1, 2)):
+        was = np.ptp(ends(phone, axes)[0])
+        touch(phone, "touchStart", (x - first, y))
+        touch(phone, "touchStart", (x - first, y), (x + first, y))
+        for k in range(1, 7):
+            touch(phone, "touchMove", (x - first - sign * 5 * k, y), (x + first + sign * 5 * k, y))
+        touch(phone, "touchEnd")
+        is_there = f"Math.abs(({axes}.x1 - {axes}.x0) / {was} - {grown}) < 0.1"
+        phone.until(f"() => {is_there}")
+    # two that go on side by side move the portrait along
+    touch(phone, "touchStart", (x - 60, y))
+    touch(phone, "touchStart", (x - 60, y), (x, y))
+    for k in range(1, 7):
+        touch(phone, "touchMove", (x - 60 + 5 * k, y), (x + 5 * k, y))
+    touch(phone, "touchEnd")
+    if canvas == "phase":
+        phone.until(f"() => {axes}.x0 < {before[0][0] - 0.05 * np.ptp(before[0])}")
+    assert state(phone, "ball") == ball and not phone.page.evaluate("() => explorer.views.ball.sling.aim")
+    assert phone.page.evaluate("() => scrollY") == scrolled

@@ -131,7 +131,7 @@ def test_exercises_begin_where_they_say(browser, address, described):
         [links, described],
     )
     page.close()
-    assert len(links) == 6
+    assert len(links) == 6 and "\n#table=classic\n" in text
     for link, (problems, parts) in zip(links, found, strict=True):
         assert problems == [] and parts >= len(link.split("&")) - 1, link
 
@@ -239,6 +239,7 @@ def test_exercises_are_chosen_beside_the_figures(shown, address):
     listed = shown.page.eval_on_selector_all("#preset optgroup option", "all => all.map(o => [o.text, o.value])")
     assert {title: link.partition("&note=")[0] for title, link in listed} == asked
     words = " ".join(text.split())
+    assert listed[-1][0] == "The table"
     for title, link in listed:
         question = unquote(link.partition("&note=")[2])
         assert question in words.replace("*", "")

@@ -474,3 +474,63 @@ def test_the_key_that_presents_waits_for_no_kernels(shown, address, file):
     held[0].continue_()
     shown.until("() => globalThis.explorer?.views.ball.flight || globalThis.pinball?.game()")
     assert page.evaluate("() => document.body.classList.contains('presenting')")
+
+
+#: Sentences of the words that are cut: neither all seen nor none of it.
+CUT = """() => {
+  const { top, bottom } = document.querySelector(".below").getBoundingClientRect();
+  return [...document.querySelectorAll("#summary p")].filter((e) => e.checkVisibility()).filter((e) => {
+    const lines = [...e.getClientRects()], seen = lines.filter((l) => l.top > top - 1 && l.bottom < bottom + 1);
+    return seen.length && seen.length < lines.length || lines.some((l) => l.top < bottom - 4 && l.bottom > bottom + 4);
+  }).map((e) => e.textContent);
+}"""
+
+
+def test_on_a_low_screen_the_cobweb_is_large_and_no_sentence_is_cut(opened, address):
+    shown = opened("gap", (1280, 720))
+    page = shown.page
+    page.keyboard.press("p")
+    at = "&l=0.1&lam=0.5&mu=0.15"
+    side = "() => { const { box, zoom } = explorer.views.gap.cobweb.axes; return box.w * zoom; }"
+    for more, least in (
+        ("", 280),
+        (f"&tour=7{at}", 320),
+        (f"&tour=7&answer=3{at}", 320),
+    ):
+        page.goto(f"{address}#version=2&view=gap&columns=60&web=4{more}")
+        shown.until(f"() => explorer.state().tour === {7 if more else 0} && document.querySelector('#summary p')")
+        page.wait_for_timeout(100)
+        assert page.evaluate(side) > least and page.evaluate(CUT) == []
+    assert page.is_hidden("#gap-diagram")
+    page.evaluate("() => document.activeElement.blur()")
+    page.keyboard.press("s")  # the picture that is seen has the keys
+    shown.until("() => explorer.state().web === 5")
+    page.goto(
+        f"{address}#version=2&view=gap&columns=60&tour=8&answer=2&l=0.1&lam=0.5&mu=0.1&pinned=view%3Dgap%26lam%3D0.5%26l%3D0"
+    )
+    shown.until("() => document.querySelector('#pinned:not([hidden])')")
+    box = page.locator("#gap-diagram").bounding_box()
+    assert box["width"] > 600 and page.is_hidden("#cobweb")
+    page.evaluate("() => document.activeElement.blur()")
+    page.keyboard.press("ArrowRight")
+    shown.until("() => explorer.state().mu > 0.1")
+
+
+def test_at_a_desk_the_cobweb_fills_its_card(opened):
+    shown = opened("gap")
+    left, right, under = shown.page.evaluate(
+        "() => { const { box, canvas, zoom } = explorer.views.gap.cobweb.axes, card = canvas.parentElement; "
+        "return [box.x, canvas.clientWidth - box.x - box.w, card.clientHeight - box.h]; }"
+    )
+    assert under < 130 and left + right < 120
+
+
+def test_on_a_low_screen_an_exercise_leaves_room_for_its_pictures(opened, address):
+    shown = opened("ball", (1280, 720))
+    note = "%20many%20words%20of%20a%20question" * 5
+    shown.open(f"{address}#version=2&view=ball&columns=60&twin=yes&V=0&omega=6&offset=-0.2&reach=-0.3:0&note=Say{note}")
+    shown.page.keyboard.press("p")
+    shown.until("() => document.querySelector('#rate').innerText.includes('λ')")
+    shown.page.wait_for_timeout(100)
+    for canvas in ("strip", "ball-diagram"):
+        assert shown.page.locator(f"#{canvas}").bounding_box()["height"] > 220

@@ -207,6 +207,7 @@ def test_on_a_phone_pictures_lie_together_on_the_page_and_in_files(phone, addres
     )
     assert 0 <= second["y"] - first["y"] - first["height"] < 20  # the further picture is the next thing below
     phone.page.evaluate("() => scrollTo(0, document.body.scrollHeight)")  # the first one stays at the top: sticky
+    phone.page.select_option("#times", label="as on screen")
     with phone.page.expect_download() as download:
         phone.page.click("[data-save=png]")
     download.value.save_as(tmp_path / "seen.png")

@@ -6,6 +6,7 @@ import pytest
 import grazing as gz
 from grazing.orbits.branch import continuation
 from grazing.orbits.resting import RestEquations
+from grazing.orbits.search_rest import resting_orbits
 from grazing.outcome import CHATTER
 
 TWO = gz.Oscillator(
@@ -195,3 +196,15 @@ def test_a_gap_in_the_rest_between_two_points_of_a_branch_is_an_end(monkeypatch)
     branch = continuation(orbit.map, orbit, "d", (-0.9, -0.1))
     assert [(one.type, one.value) for one in branch.special] == [("ch", pytest.approx(high, abs=1e-9))]
     assert min(piece.values.min() for piece in branch.pieces) >= high
+
+
+def test_a_ball_that_still_lies_on_a_moving_wall_at_the_strobe_is_not_inside_it():
+    """A period later the wall is where it was but for rounding: below it, by less or more than a start may be."""
+    random = np.random.default_rng(1)
+    for omega in random.uniform(0.5, 20.0, 20):
+        shake = gz.Forcing(omega=omega, sin=(1.0,), cos=())
+        table = gz.wall(0.0, gz.newton(0.5), motion=shake)
+        gravity = gz.Forcing(omega=omega, offset=-0.9 * omega**2, cos=())
+        ball = gz.Oscillator(alpha=0, k=0, forcing=gravity, walls=[table])
+        (orbit,) = resting_orbits(gz.stroboscopic_map(ball), 1)
+        assert orbit.period == 1 and orbit.points[0, 0] >= 0.0

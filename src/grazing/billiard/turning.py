@@ -244,11 +244,12 @@ def turned(
 def at_surface(
     flight: Any, kind: int, row: Any, begin: float, piece: Any, start: float, fresh: bool, end: float
 ) -> Any:
-    """Return (t, late, flags): when a surface of a flipper is hit first in a piece of its motion, infinity for never.
+    """Return (t, late, flags, apart): when a surface of a flipper is hit first in a piece of its motion.
 
-    A crossing of the line of a side beyond its ends is none: the ball is then behind the line, until it comes back.
+    That is infinity for never. A crossing of the line of a side beyond its ends is none: the ball is then behind the
+    line, until it comes back. ``apart``: up to the hit that line is between ball and flipper: nothing else is hit.
     """
-    flags, outside, t, omega = OK, True, start, piece[OMEGA]
+    flags, outside, t, omega, apart = OK, True, start, piece[OMEGA], kind != AT_TIP
     for n in range(LOOKS):
         seen = look(t, flight, kind, row, begin, piece)
         if n == 0:
@@ -256,28 +257,30 @@ def at_surface(
             leaves = fresh and omega != 0.0 and k > b and abs(dh) <= d  # if as fast as nothing at first
             if fresh:
                 if rests(dh, k, e):
-                    return t, 0.0, TOO_MANY_IMPACTS if omega != 0.0 and kind == AT_TIP else STUCK
+                    return t, 0.0, TOO_MANY_IMPACTS if omega != 0.0 and kind == AT_TIP else STUCK, False
                 if not leaves and (dh < -d or (dh <= 0.0 and k <= 0.0)):  # it has begun to move towards the ball
-                    return t, e / max(-dh, d), OK
+                    return t, e / max(-dh, d), OK, False
             if kind == AT_TIP and omega == 0.0:
                 cx, cy = row[PX] + row[ARM] * piece[CX], row[PY] + row[ARM] * piece[CY]
                 _dx, _dy, vx, vy, g, x, y = flight
-                return crossing(x - cx, y - cy, vx, vy, g, row[TIP], 1.0, t, fresh, end)
+                t, late, said = crossing(x - cx, y - cy, vx, vy, g, row[TIP], 1.0, t, fresh, end)
+                return t, late, said, False
             outside = kind == AT_TIP or (fresh and not leaves) or h >= -e
             if leaves:
                 t, fresh = clear_until(flight, kind, row, begin, piece, end), False
                 continue
         t, late, said = turned(seen, flight, kind, row, begin, piece, 1.0 if outside else -1.0, t, fresh, end)
         flags |= said
+        apart = apart and outside and said == OK
         if t == INFINITY or said & FATAL or kind == AT_TIP:
-            return t, late, flags
+            return t, late, flags, apart
         if outside:
             foot, unsure = foot_at(t, flight, kind, row, begin, piece)
             unsure += late * (abs(flight[2]) + abs(flight[3]) + flight[4] * t + abs(omega) * row[REACH])
             if foot >= -unsure and foot <= row[LONG] + unsure:
-                return t, late, flags
-        outside, fresh = not outside, True
-    return t, 0.0, flags | TOO_MANY_SWINGS
+                return t, late, flags, apart
+        outside, fresh, apart = not outside, True, False
+    return t, 0.0, flags | TOO_MANY_SWINGS, False
 
 
 @inlined
@@ -316,26 +319,33 @@ def comes_near(t: float, flight: Any, row: Any, end: float) -> Any:
 def clear_of(t: float, end: float, flight: Any, row: Any, begin: float, piece: Any) -> Any:
     """Return for each surface of a flipper whether a ball surely does not come to it from t to ``end``, in one piece.
 
+    And the side on which it is at first.
+
     It stays on one side of all that the flipper sweeps, or of its axis, or nearer to the pivot than the tip is: its
     parabola leaves its chord by g (end - t)^2/8 at most.
     """
     dx, dy, vx, vy, g, _x, _y = flight
     omega, w, tip = piece[OMEGA], end - t, row[TIP]
-    if not (end < INFINITY and abs(omega) * w <= QUARTER):
-        return False, False, False
     ax, ay, _turned = direction_at(t, begin, piece)
+    px, py = dx + vx * t, dy + (vy - 0.5 * g * t) * t
+    side = 0 if ax * py - ay * px >= 0.0 else 1
+    if not (end < INFINITY and abs(omega) * w <= QUARTER):
+        return (False, False, False), side
     bx, by, turned = direction_at(end, begin, piece)
-    px, py, qx, qy = dx + vx * t, dy + (vy - 0.5 * g * t) * t, dx + vx * end, dy + (vy - 0.5 * g * end) * end
+    qx, qy = dx + vx * end, dy + (vy - 0.5 * g * end) * end
     far = abs(dx) + abs(dy) + (abs(vx) + abs(vy) + g * end) * end
     slack = 0.125 * g * w * w + CLEAR * (1.0 + turned) * (far + row[REACH])
-    # of the leftmost direction and the rightmost one: how far left, or right, the ball stays
+    # of the leftmost direction and the rightmost one: how far left, or right, the ball stays, and how far along a side
     lx, ly = (bx, by) if omega > 0.0 else (ax, ay)
     rx, ry = (ax, ay) if omega > 0.0 else (bx, by)
-    left = min(lx * py - ly * px, lx * qy - ly * qx) - slack
-    right = min(ry * px - rx * py, ry * qx - rx * qy) - slack
+    lp, lq, rp, rq = lx * py - ly * px, lx * qy - ly * qx, rx * py - ry * px, rx * qy - ry * qx
+    left, right, lean, sine = min(lp, lq) - slack, -max(rp, rq) - slack, row[LEAN], abs(row[SINE])
+    least = min(lean * (lx * px + ly * py) - sine * abs(lp), lean * (lx * qx + ly * qy) - sine * abs(lq))
+    least = min(least, lean * (rx * px + ry * py) - sine * abs(rp), lean * (rx * qx + ry * qy) - sine * abs(rq))
     clear, short = max(left, right) > max(row[SIZE], tip), row[ARM] - tip - slack
+    beside = clear or least - slack > row[LONG]
     within = short > 0.0 and max(px * px + py * py, qx * qx + qy * qy) < short * short
-    return clear or right > 0.0, clear or left > 0.0, within or max(left, right) > tip
+    return (beside or right > 0.0, beside or left > 0.0, within or max(left, right) > tip), side
 
 
 def of_flipper(
@@ -360,9 +370,11 @@ def of_flipper(
         number, turns = piece_at(t, phase, row, pieces)
         piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
         until = min(begin_of(number + 1, turns, phase, row, pieces), end)
-        kind, first, slack, clear = -1, INFINITY, 0.0, clear_of(t, until, flight, row, begin, piece)
-        for i in range(KINDS):
-            if clear[i]:
+        kind, first, slack, apart = -1, INFINITY, 0.0, False
+        clear, side = clear_of(t, until, flight, row, begin, piece)
+        for n in range(KINDS):
+            i = abs(side - n) if n < AT_TIP else n  # the side on which the ball is before the other one
+            if clear[i] or (apart and i != last):
                 continue
             begins, slips = t, off > 0.0 and t == 0.0
             slips = slips and ((over and i == AT_TIP) or beside(flight, i, last == i, row, begin, piece))
@@ -371,7 +383,9 @@ def of_flipper(
             if slips and piece[OMEGA] == 0.0:
                 found, late, said = off_tip(flight, i, row, piece, until)
             else:
-                found, late, said = at_surface(flight, i, row, begin, piece, begins, last == i and begins == 0.0, until)
+                found, late, said, apart = at_surface(
+                    flight, i, row, begin, piece, begins, last == i and begins == 0.0, until
+                )
             flags |= said
             if said & (FATAL | STUCK):
                 return i, found, 0.0, flags
@@ -406,7 +420,8 @@ def slips_over(flight: Any, last: int, phase: float, row: Any, pieces: Any) -> b
     number, turns = piece_at(0.0, phase, row, pieces)
     piece, begin = behind(pieces, PIECE_WIDTH * number), begin_of(number, turns, phase, row, pieces)
     fast, joined = abs(flight[2]) + abs(flight[3]), False
-    for i in range(KINDS):
+    for n in range(KINDS):
+        i = (last + n) % KINDS
         (h, dh, k), (e, _d, b), _at = look(0.0, flight, i, row, begin, piece)
         unit = 2.0 * row[TIP] if i == AT_TIP else 1.0
         if touches(0.0 if i == last else h, dh, e, unit * fast):

@@ -92,7 +92,9 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     given_frequency = {"frequency", "omega"} & {*table}
     open_frequency = not {"omega", "frequency"}.isdisjoint(vary) and not given_frequency
     wrong = faults_of(table)
-    faults += [*wrong.values(), *faults_of(placed).values()]
+    wrong_places = faults_of(placed)
+    faults += [*wrong.values(), *(name.removesuffix("gap") + fault for name, fault in wrong_places.items())]
+    placed |= dict.fromkeys(wrong_places, 1.0)
     usual: dict[str, Any] = {"side": "above", "moves": "both", "frequency": None}
     usual |= dict.fromkeys((*AMPLITUDES, "load"), 0.0)
     needed = NEEDED if gaps is None else NEEDED[:-1]
@@ -195,9 +197,8 @@ def gaps_asked(config: Mapping[str, Any]) -> dict[str, tuple[str, float]]:
 
 
 def _places(placed: Mapping[str, Any], gaps: Mapping[str, Own]) -> dict[str, float]:
-    """Return the positions of walls whose gap is given, where that is sound."""
-    wrong = faults_of(placed)
-    return {gaps[name].name: gaps[name].of(_one(gap, name, 1.0)) for name, gap in placed.items() if name not in wrong}
+    """Return the positions of walls whose gap is given."""
+    return {gaps[name].name: gaps[name].of(_one(gap, name, 1.0)) for name, gap in placed.items()}
 
 
 def _measured(given: Mapping[str, Any], mass: float, problems: list[Problem]) -> dict[str, Any]:

@@ -140,7 +140,8 @@ def states(value: Any, name: str) -> int | list[list[float]]:
             return count(value, name, 1)
         except InputError:
             raise InputError(
-                f"{name} = {shown(value)}; allowed is a whole number >= 1, or states: 0.1,0;0.2,0 or a list of lists"
+                f"{name} = {shown(value)}; allowed is a whole number >= 1, or states: 0.1,0;0.2,0 (0.1; is one of "
+                "one number) or a list of lists"
             ) from None
     return [numbers(item, f"{name}[{i}]") for i, item in enumerate(value)]
 

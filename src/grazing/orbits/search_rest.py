@@ -54,8 +54,9 @@ def resting_starts(P: Map, model: Rig) -> list[Floats]:
         for t in times:
             until = phase + c.T * (np.floor((t - phase) / c.T) + 1.0)
             path = trajectory(model, on_wall(model, j, t), start=t, until=until, samples=2)
-            u = float(path.u[-1])
-            starts.append(np.array([max(u, seen.sigma) if seen is model else u, float(path.v[-1])]))
+            u, side = float(path.u[-1]), signs_of(model)[j]
+            at = on_wall(model, j, phase)[0]  # a ball that still lies there is there but for rounding
+            starts.append(np.array([side * max(side * u, side * at), float(path.v[-1])]))
     return starts
 
 

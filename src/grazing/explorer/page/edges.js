@@ -160,7 +160,7 @@ export class EdgesView {
       }
       const text = `${periods.length > 1 ? `${periods.join(" and ")} meet` : `${periods[0]} appears`}, l = ${numeral(l, 4)}`;
       const wide = c.measureText(text).width, left = axes.x(l) + 6 + wide > box.x + box.w;
-      const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 10 + 20 * k;
+      const x = left ? Math.max(axes.x(l) - 6 - wide, box.x + 3) : axes.x(l) + 6, y = box.y + 12 + 25 * k;
       c.fillStyle = theme().paper + "d0";
       c.fillRect(x - 2, y - 10, wide + 4, 20);
       c.fillStyle = theme().ink;
@@ -177,7 +177,7 @@ export class EdgesView {
       .filter(({ at }) => at >= axes.y0 && at <= axes.y1).sort((a, b) => a.at - b.at);
     let below = Infinity;
     for (const { N, kind, at } of ends) {
-      const y = Math.min(axes.y(at), below - 19), x = box.x + box.w + 5;
+      const y = Math.min(axes.y(at), below - 22), x = box.x + box.w + 5;
       below = y;
       if (y < box.y) break; // no room for more
       c.fillStyle = periodColour(N);

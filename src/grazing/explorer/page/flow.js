@@ -2,7 +2,7 @@
 /** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
 import { theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { drawWindows, outwards, reach, windows } from "./gap.js";
+import { drawWindows, outwards, reach, sayBands, windows } from "./gap.js";
 import { extent, linspace, normalForm } from "./jobs.js";
 import { ownOf } from "./laws.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
@@ -219,7 +219,9 @@ export class FlowView {
     c.fillStyle = theme().faint;
     c.textAlign = "left";
     c.textBaseline = "bottom"; // below the axis, where no curve is
-    c.fillText(reduced ? "reduced map (2.6)" : "full oscillator", axes.box.x, axes.box.y + axes.box.h + 42);
+    const name = reduced ? "reduced map (2.6)" : "full oscillator", y = axes.box.y + axes.box.h + 42;
+    c.fillText(name, axes.box.x, y);
+    if (this.state.theory && this.windows.length && !this.why) sayBands(axes, c, c.measureText(`${name}  `).width);
   }
 
   repaint() {

@@ -84,6 +84,15 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
   }
 }
 
+/** Say under the axis, where there is room, what the bands are. @param {Axes} axes @param {Pen} c @param {number} left of it something else is said */
+export function sayBands({ box }, c, left = 0) {
+  const text = "bands: windows of theory";
+  c.fillStyle = theme().faint;
+  c.textAlign = "left";
+  c.textBaseline = "bottom";
+  if (left + c.measureText(text).width < box.w / 2 - 20) c.fillText(text, box.x + left, box.y + box.h + 42);
+}
+
 /** One step of the map. @param {State} state @param {number} x */
 const stepped = ({ lam, mu, l }, x) => (x < 0 ? lam * x + mu : mu - l - Math.sqrt(x));
 
@@ -126,7 +135,7 @@ export class GapView extends Beside {
       zoomOut: () => change({ span: null, range: null }),
       chosen: () => this.state.mu,
       under: (axes, c) => this.state.theory && drawWindows(axes, c, this.windows),
-      overlay: (axes) => this.#overlay(axes),
+      overlay: (axes, c) => this.#overlay(axes, c),
       problem,
       done,
     });
@@ -171,8 +180,9 @@ export class GapView extends Beside {
     drawWindows(axes, c, windows(this.machine, lam, l));
   }
 
-  /** @param {Axes} axes */
-  #overlay(axes) {
+  /** @param {Axes} axes @param {Pen} c */
+  #overlay(axes, c) {
+    if (this.state.theory && this.windows.length) sayBands(axes, c);
     axes.vertical(0, theme().graze, [2, 2]);
     axes.vertical(this.state.mu, theme().accent, [], 1.6);
   }

@@ -288,16 +288,18 @@ function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) {
     button.hidden = !CHOICES.view.includes(button.dataset.view ?? "");
-    button.addEventListener("click", () => change({ view: button.dataset.view }));
+    button.addEventListener("click", () => change({ view: button.dataset.view, ...(button.dataset.view === "chart" ? { chart: chartOf(state) } : {}) }));
   }
   $("preset").hidden = $("tour").hidden = Boolean(BROUGHT.model?.map);
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
   const asked = Object.assign(document.createElement("optgroup"), { label: "Exercises" });
-  for (const [title, [ask, link]] of Object.entries(EXERCISES)) asked.append(new Option(title, `${link}&note=${encodeURIComponent(ask)}`));
+  const table = /** @type {HTMLAnchorElement | null} */ (document.querySelector("nav a"));
+  for (const [title, [ask, link]] of Object.entries(EXERCISES)) if (table || !link.startsWith("#table")) asked.append(new Option(title, `${link}&note=${encodeURIComponent(ask)}`));
   $("preset").append(asked);
   $("preset").addEventListener("change", () => {
     const { value } = $("preset");
     if (value in PRESETS) present(PRESETS[value].state);
+    else if (table && value.startsWith("#table")) location.href = table.href + value;
     else if (value) location.hash = value;
   });
   if (pool) pinned = new Pinned($("pin"), pool, { fields, change, problem: (text) => problem(text, "picture"), view: comparable, state: () => state });
@@ -331,12 +333,18 @@ function build() {
   // a button that a mouse has pressed leaves the keys to the picture; so does what has no use for a key
   addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
   addEventListener("keydown", (event) => {
-    const target = /** @type {HTMLElement} */ (event.target), picture = /** @type {HTMLElement | null} */ (document.querySelector(".view:not([hidden]) .first canvas")), { key, shiftKey } = event, free = target === document.body;
-    if (!picture || event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
-    if (picture.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, cancelable: true }))) return;
+    const target = /** @type {HTMLElement} */ (event.target), pictures = seen(), { key } = event, free = target === document.body;
+    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
+    const took = offered(event, pictures);
+    if (took < 0) return;
     event.preventDefault();
-    if (free) picture.focus({ preventScroll: true });
+    if (free && took === 0) pictures[0].focus({ preventScroll: true });
   }, true);
+  addEventListener("keydown", (event) => {
+    const { target, defaultPrevented, ctrlKey, metaKey, altKey } = event;
+    if (/** @type {HTMLElement} */ (target).tagName !== "CANVAS" || defaultPrevented || ctrlKey || metaKey || altKey) return;
+    if (offered(event, seen().filter((each) => each !== target)) >= 0) event.preventDefault();
+  });
   const sizes = new ResizeObserver(again);
   for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }
@@ -353,6 +361,15 @@ function read(hash) {
   problem(wrong.length ? `Parts of the link could not be used: ${wrong.join("; ")}. They are shown as usual.` : "", "link");
   refresh();
 }
+
+/** Offer a key to pictures, and say which of them took it. @param {KeyboardEvent} event @param {HTMLElement[]} pictures */
+const offered = ({ key, shiftKey }, pictures) => pictures.findIndex((each) => !each.dispatchEvent(new KeyboardEvent("keydown", { key, shiftKey, cancelable: true })));
+
+/** The chart of the system that is seen. @param {State} state */
+const chartOf = ({ view, chart }) => (["gap", "edges"].includes(view) ? "gap" : chart === "gap" && view !== "chart" ? "oscillator" : chart);
+
+/** The pictures that have the keys, each those that the ones before do not take. */
+const seen = () => all(".view canvas[tabindex]").filter((each) => each.offsetParent);
 
 /** Draw all once more. */
 const again = () => (failed ? refresh() : page.repaint());

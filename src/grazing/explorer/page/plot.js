@@ -128,8 +128,11 @@ export class Axes {
     }
     const { left, right, top, bottom, equal } = this.margin;
     this.box = { x: left, y: top, w: Math.max(10, width - left - right), h: Math.max(10, height - top - bottom) };
-    if (equal) this.box.w = this.box.h = Math.min(this.box.w, this.box.h);
-    this.x.range([left, left + this.box.w]);
+    if (equal) {
+      const side = Math.min(this.box.w, this.box.h);
+      this.box = { x: left + (this.box.w - side) / 2, y: top, w: side, h: side };
+    }
+    this.x.range([this.box.x, this.box.x + this.box.w]);
     this.y.range([top + this.box.h, top]);
     const c = this.context;
     c.setTransform(this.ratio, 0, 0, this.ratio, 0, 0);
@@ -208,7 +211,7 @@ export class Axes {
     c.textAlign = "left";
     c.textBaseline = "top";
     const up = beside(labelY, upwards);
-    if (up === labelY || !labelY) inscribe(c, labelY, 6, 2);
+    if (up === labelY || !labelY) inscribe(c, labelY, box.x + 6 - this.margin.left, 2);
     else {
       // too long for the margin: inside, over what is drawn, which is seen through
       c.globalAlpha = 0.75;

@@ -5,14 +5,15 @@ const STANDARD = { alpha: 3, k: 1, omega: 2.2, t0: 0, r: 0.8, law: "active" };
 const SHALLOW = { ...STANDARD, view: "strobe", omega: 2.1, t0: 2.2, offset: 0.11, V: 0.2, u0: 0.03, v0: -0.23 };
 const gap = (/** @type {number} */ lam, /** @type {number} */ l, /** @type {[number, number]} */ span, /** @type {number} */ mu, more = {}) => ({ view: "gap", lam, l, span, mu, ...more });
 
-/** The exercises of docs/exercises.md: what is asked, and the link where it begins. @type {Record<string, [string, string]>} */
+/** The exercises of docs/exercises.md: what is asked, and the link where it begins, here or on the page of tables. @type {Record<string, [string, string]>} */
 export const EXERCISES = {
   "The graze": ["Let d fall until the ball just touches the bumper. Where is that, and which formula gives it? Multiply ω by 1.5: does the graze move up or down?", "#version=2&view=ball&offset=0.14"],
   "Adding": ["Click in the windows from left to right. How do the words go on? By which factor does each window end nearer to the graze than the one before?", "#version=2&view=oscillator&reach=0.12:0.1312&offset=0.1292&reduced=no"],
-  "Coexistence and hysteresis": ["For which d near 0.1225 do two orbits live? Carry the ball there from 0.119 and from 0.127: on which is it? Which share of starts goes to each (Charts, basins of the oscillator)?", "#version=2&view=ball&offset=0.1225&reach=0.118:0.128&sweeps=yes"],
+  "Coexistence and hysteresis": ["For which d near 0.1225 do two orbits live? Carry the ball there from 0.119 and from 0.127: on which is it? Which share of starts goes to each (Charts)?", "#version=2&view=ball&offset=0.1225&reach=0.118:0.128&sweeps=yes&chart=basins"],
   "Cobweb": ["Let μ rise until the orbit of period 3 ends, and fall until it doubles. What does the point on the right do at each end?", "#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&x0=0.2&web=3"],
   "Chaos": ["Start the twin, and read its λ. For how many more pushes is the ball foretold if its start is known a thousand times as well?", "#version=2&view=ball&omega=6&V=0&offset=-0.2&reach=-0.3:0"],
   "Chatter": ["The force hardly changes while the ball hops. If one hop lasts a time τ, how long is it until the ball lies still? What changes with r = 0.9?", "#version=2&view=ball&V=0&r=0.7&offset=-0.5&reach=-0.6:0.1"],
+  "The table": ["Launch a ball and press G. Near balls part tenfold in about 0.3 s. How much longer do you foresee the ball if you place it a thousand times as exactly? Where does the curve leap?", "#table=classic"],
 };
 
 /** @type {Record<string, {title: string, state: Partial<import("./state.js").State>}>} */

@@ -3,7 +3,7 @@
 import { theme } from "./colours.js";
 import { magnify, resolution } from "./plot.js";
 import { toFragment } from "./state.js";
-import { canvasOf, svgOf } from "./svg.js";
+import { canvasOf, layout, svgOf } from "./svg.js";
 import { command, python } from "./text.js";
 import { reach } from "./where.js";
 
@@ -62,7 +62,8 @@ export function save(page, kind) {
     setTimeout(() => URL.revokeObjectURL(link.href), 1000);
   };
   if (kind === "svg") return keep(new Blob([vectors(page, view, state)], { type: "image/svg+xml" }));
-  magnify(Number(/** @type {HTMLSelectElement} */ (document.getElementById("times")).value));
+  const wide = Number(/** @type {HTMLSelectElement} */ (document.getElementById("times")).value);
+  magnify(wide ? wide / (layout(panels(page, view)).width * resolution()) : 1);
   page.repaint();
   const canvas = canvasOf(panels(page, view), theme().paper, resolution());
   magnify(1);

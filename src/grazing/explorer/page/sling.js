@@ -12,28 +12,28 @@ export class Sling {
   /** @type {Aim | null} */ aim = null;
   /** Where the pointer took the ball in the strip, and the height there. @type {{x: number, y: number, u: number, pen: number} | null} */ #taken = null;
 
-  #pointer = 0;
+  /** The pointer that aims: fingers have a capture of their own, each. */ #pointer = NaN;
 
   /** @param {import("./ball.js").BallView} view */
   constructor(view) {
     this.view = view;
     for (const axes of [view.axes, view.strip.axes]) {
-      const { canvas } = axes;
+      const { canvas } = axes, holds = (/** @type {PointerEvent} */ { pointerId }) => pointerId === this.#pointer && canvas.hasPointerCapture(pointerId);
       canvas.addEventListener("pointerdown", (event) => {
         if (event.button || event.shiftKey || !event.isPrimary || !view.state || !this.#takes(event, axes)) return;
         canvas.setPointerCapture((this.#pointer = event.pointerId));
         canvas.focus({ preventScroll: true });
         this.#drag(event, axes);
       });
-      canvas.addEventListener("pointermove", (event) => canvas.hasPointerCapture(event.pointerId) && this.#drag(event, axes));
-      canvas.addEventListener("pointerup", (event) => canvas.hasPointerCapture(event.pointerId) && this.let());
+      canvas.addEventListener("pointermove", (event) => holds(event) && this.#drag(event, axes));
+      canvas.addEventListener("pointerup", (event) => holds(event) && this.let());
       canvas.addEventListener("pointercancel", () => this.#stop());
       canvas.addEventListener("keydown", (event) => this.#key(event));
       canvas.addEventListener("blur", () => this.#stop()); // no ball hangs in the air while the hand is elsewhere
       // a finger that takes the ball does not scroll the page
       canvas.addEventListener("touchstart", (event) => {
         if (event.touches.length === 1) return this.#grips(event.touches[0], axes) && event.preventDefault();
-        if (canvas.hasPointerCapture(this.#pointer)) canvas.releasePointerCapture(this.#pointer); // two fingers zoom
+        this.#pointer = NaN; // two fingers zoom
         this.#stop();
       }, { passive: false });
     }

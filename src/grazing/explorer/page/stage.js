@@ -56,7 +56,7 @@ export function stage(again) {
     all(false);
     if (on) document.documentElement.requestFullscreen?.().catch(() => {}); // where it is not allowed, the window is filled
     else if ((ours = Boolean(document.fullscreenElement))) document.exitFullscreen();
-    const picture = /** @type {HTMLElement | null} */ (document.querySelector(".view:not([hidden]) .first canvas, #table"));
+    const picture = /** @type {HTMLElement[]} */ ([...document.querySelectorAll(".view canvas[tabindex], #table")]).find((each) => each.offsetParent);
     (on ? picture : byId("present"))?.focus({ preventScroll: true }); // the keys of the picture are at hand
     scrollTo(0, 0);
     again();

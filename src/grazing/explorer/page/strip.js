@@ -67,7 +67,11 @@ export class Strip {
     c.textBaseline = "top";
     c.fillText("height u", 14, 9);
     c.textAlign = "right";
-    c.fillText(aim ? `begins at u = ${numeral(aim.u, 3)}, v = ${numeral(aim.v, 3)}` : scene.said, width - 12, 9);
+    const said = aim ? `begins at u = ${numeral(aim.u, 3)}, v = ${numeral(aim.v, 3)}` : scene.said, wide = c.measureText(said).width;
+    c.fillStyle = faded(shown.paper, 0.8); // the arrow of the force may reach there
+    c.fillRect(width - 16 - wide, 5, wide + 8, 22);
+    c.fillStyle = shown.faint;
+    c.fillText(said, width - 12, 9);
   }
 
   /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor */

@@ -203,7 +203,7 @@ const BETWEEN = 26;
  * Where pictures lie in one file, and how large they are together: side by side where they are so on screen, else one
  * below the other, whatever lies between them there. @param {Panel[]} panels
  */
-function layout(panels) {
+export function layout(panels) {
   const places = /** @type {{x: number, y: number, w: number, h: number}[]} */ ([]);
   panels.forEach(({ sheet: { canvas } }, i) => {
     const last = places[i - 1], w = canvas.clientWidth, h = canvas.clientHeight;

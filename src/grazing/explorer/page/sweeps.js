@@ -52,7 +52,7 @@ export class Sweeps {
     c.globalAlpha = 1;
     c.fillStyle = faded(shown.ink, 0.13);
     for (const [from, to] of this.differ()) c.fillRect(axes.x(from) - 1, box.y, axes.x(to) - axes.x(from) + 2, box.h);
-    for (const [way, colour, size] of /** @type {["up" | "down", string, number][]} */ ([["up", shown.accent, 5], ["down", shown.graze, 2.5]])) {
+    for (const [way, colour, size] of /** @type {["up" | "down", string, number][]} */ ([["up", shown.accent, 3], ["down", shown.graze, 1.4]])) {
       c.fillStyle = colour;
       this.found?.values.forEach((value, q) => {
         for (const u of this.found?.[way].subarray(q * KEPT, (q + 1) * KEPT) ?? []) {

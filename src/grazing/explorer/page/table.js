@@ -419,6 +419,8 @@ function arrive() {
     problem(`The link could not be read: ${why(error)}. The machine is shown instead.`);
   }
   choose(given?.table ?? "classic", given?.changes);
+  $("note").textContent = given?.note ?? "";
+  $("note").hidden = !given?.note;
   if (given?.start) replay(given.start, given.presses, given.nudges);
   return Boolean(given?.start);
 }

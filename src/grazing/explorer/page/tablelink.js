@@ -4,10 +4,10 @@
 import { Played } from "./played.js";
 
 /** @typedef {import("./played.js").State} State */
-/** @typedef {{table: string, changes: Record<string, number>, start: State | null, presses: Record<string, number[]>, nudges: import("./played.js").Nudge[]}} Linked */
+/** @typedef {{table: string, changes: Record<string, number>, start: State | null, presses: Record<string, number[]>, nudges: import("./played.js").Nudge[], note: string}} Linked */
 
-/** Of the form of a link. */
-const VERSION = 1;
+/** Of the form of a link; letters of its note. */
+const VERSION = 1, LONGEST_NOTE = 280;
 /** Seconds after the end of a game up to which Python follows it: times of parts are added up in another order. */
 const BEYOND = 1e-6;
 
@@ -38,7 +38,7 @@ export function fromLink(hash, tables) {
   if (!Object.hasOwn(tables, table)) throw new Error(table ? `there is no table ${table.slice(0, 40)}` : "it names no table");
   const { params, objects } = tables[table];
   /** @type {Linked} */
-  const found = { table, changes: {}, start: null, presses: {}, nudges: [] };
+  const found = { table, changes: {}, start: null, presses: {}, nudges: [], note: (given.get("note") ?? "").slice(0, LONGEST_NOTE) };
   for (const [name, text] of given) {
     const flipper = objects.find((one) => one.kind === "flipper" && name === `${one.name}.pressed`);
     if (params.includes(name)) {
