@@ -113,12 +113,24 @@ def of_all_flippers(w: Any, width: int, surfaces: int, flippers: int, rows: Any,
     for f in range(flippers):
         row, first = behind(rows, FLIPPER_WIDTH * f), surfaces + KINDS * f
         near(w, width, row[PIVOT_X], row[PIVOT_Y], row[REACH], -2.0, g)
-        for i in range(width):
-            left = int(w[W.LEFT + i]) - first
-            if (w[W.ONE + i] > 0.0 or (left >= 0 and left < KINDS)) and not w[W.DOUBT + i] > 0.0:
-                x, y, vx, vy = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i]
-                found, clock = found_of(w, i), w[W.CLOCK + i]
-                put_found(w, i, of_one_flipper(found, x, y, vx, vy, g, left, 0.0, first, clock, f, rows))
+        for k in range(width):
+            i = eights(k)
+            left = (w[W.LEFT + i] >= first) & (w[W.LEFT + i] < first + KINDS)
+            w[W.ONE + i] = 1.0 if ((w[W.ONE + i] > 0.0) | left) & (w[W.DOUBT + i] <= 0.0) else 0.0
+        for k in range(chosen(w, width)):
+            i = int(w[W.BALL + k])
+            x, y, vx, vy, left = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], int(w[W.LEFT + i]) - first
+            found, clock = found_of(w, i), w[W.CLOCK + i]
+            put_found(w, i, of_one_flipper(found, x, y, vx, vy, g, left, 0.0, first, clock, f, rows))
+
+
+@inlined
+def chosen(w: Any, width: int) -> int:
+    """List the balls of which ONE is set, and return how many there are."""
+    n = 0
+    for b in range(0, width, 8):
+        n += listed(w, W.BALL + n, W.ONE + b, 1.0 * b)
+    return n
 
 
 @inlined
@@ -403,9 +415,7 @@ def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, 
     for k in range(width):
         i = eights(k)
         w[W.ONE + i] = 1.0 if w[W.FIRST + i] >= 0.0 and w[W.DOUBT + i] <= 0.0 else 0.0
-    n = 0
-    for b in range(0, width, 8):
-        n += listed(w, W.BALL + n, W.ONE + b, 1.0 * b)
+    n = chosen(w, width)
     for k in range(n):
         i = int(w[W.BALL + k])
         w[W.CIRCLE + k], w[W.PTIME + k] = w[W.FIRST + i], w[W.STEP + i]

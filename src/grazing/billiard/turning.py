@@ -95,7 +95,7 @@ def piece_at(t: float, phase: float, row: Any, pieces: Any) -> Any:
 def direction_at(t: float, begin: float, piece: Any) -> Any:
     """Return (x, y, angle turned): the direction of a flipper at a time of a flight, in a piece of its motion."""
     cx, cy = piece[CX], piece[CY]
-    if piece[OMEGA] == 0.0:
+    if piece[OMEGA] == 0.0 or t == begin:
         return cx, cy, 0.0
     turned = piece[OMEGA] * (t - begin)
     s, c = sincos(turned)
@@ -190,6 +190,7 @@ def landing(h: float, dh: float, k: float, sign: float, t: float, reach: float, 
     return s
 
 
+@inlined
 def turned(
     seen: Any, flight: Any, kind: int, row: Any, begin: float, piece: Any, sign: float, start: float, fresh: bool,
     end: float,
@@ -241,6 +242,7 @@ def turned(
     return t, 0.0, flags | TOO_MANY_SWINGS
 
 
+@inlined
 def at_surface(
     flight: Any, kind: int, row: Any, begin: float, piece: Any, start: float, fresh: bool, end: float
 ) -> Any:
@@ -403,7 +405,6 @@ def of_flipper(
     return -1, t, 0.0, flags | TOO_MANY_SWINGS
 
 
-@inlined
 def beside(flight: Any, kind: int, left: bool, row: Any, begin: float, piece: Any) -> Any:
     """Say whether a ball that has slid off something slid off this surface of a flipper, or off the end of it."""
     (h, dh, _k), (e, _d, _b), _at = look(0.0, flight, kind, row, begin, piece)
@@ -433,7 +434,6 @@ def slips_over(flight: Any, last: int, phase: float, row: Any, pieces: Any) -> b
     return joined
 
 
-@inlined
 def clear_until(flight: Any, kind: int, row: Any, begin: float, piece: Any, end: float) -> Any:
     """Return until when a ball that slid off a flipper that turns surely does not come back to one of its surfaces.
 
