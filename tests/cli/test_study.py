@@ -36,6 +36,13 @@ def refused(capsys, *tokens):
     return err
 
 
+@pytest.mark.parametrize("option", ["--table=", "--model="])
+@pytest.mark.parametrize("given", ["trajectory u=0 v=0", "launches angle=1:2:3", "diagram d=0:1:3"])
+def test_an_option_without_a_name_is_refused(option, given, capsys):
+    """An empty table ended in a TypeError, and for an empty model the paper's pinball was computed."""
+    assert "'' names nothing" in refused(capsys, *given.split(), option)
+
+
 # ---- help
 
 

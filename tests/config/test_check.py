@@ -304,3 +304,14 @@ def test_a_mass_that_is_not_finite_is_told_what_a_mass_may_be():
 )  # fmt: skip
 def test_what_follows_from_another_error_is_not_said(config, said):
     assert problems(config) == said
+
+
+@pytest.mark.parametrize("key", ["table", "model"])
+@pytest.mark.parametrize("study", ["trajectory", "diagram"])
+def test_a_table_or_model_without_a_name_is_refused(key, study):
+    assert problems({"study": study, key: ""}) == [f"{key}: '' names nothing; leave it out"]
+
+
+def test_what_varies_where_nothing_does_is_told_without_the_code(tmp_path):
+    config = {"study": "cobweb", "map": f"{tmp_path}/own.py:tent", "vary": {"a": "0:1:3"}, "settings": {"state": [0.1]}}
+    assert problems(config) == ["vary: a: a cobweb varies nothing; give single values"]

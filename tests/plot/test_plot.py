@@ -334,6 +334,12 @@ def test_provenance_is_in_the_file():
     assert b"/Type3" not in pdf
 
 
+@pytest.mark.parametrize("provenance", [2, "text", ["lam"]])
+def test_provenance_that_is_no_mapping_is_refused(provenance):
+    with pytest.raises(InputError, match="give a mapping or None"):
+        plot.rendered(plot.figure(), "png", provenance=provenance)
+
+
 def test_saving(tmp_path):
     fig = plot.orbit_diagram(diagram())["points"][1].figure
     assert plot.save(fig, tmp_path / "a.png").read_bytes()[:4] == b"\x89PNG"

@@ -341,7 +341,7 @@ def _coordinates(mapping: Mapping[str, Any]) -> list[str]:
     study = studies()[mapping["study"]]
     if not study.single and study.varies != COORDINATE:
         return []
-    if isinstance(mapping.get("table"), str):
+    if isinstance(mapping.get("table"), str) and mapping["table"]:
         return names_of_table(mapping)
     if study.flown and not isinstance(mapping.get("model"), Named):
         return ["u", "v"]

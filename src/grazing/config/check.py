@@ -87,6 +87,8 @@ def checked(
         raise InputError(f"{source or 'the configuration'} is {shown(mapping)}; give a table of keys and values")
     raw: Recipe = named(plain_of(mapping, source), code)
     raw |= {key: flat(raw[key], "table" in raw) for key in ("parameters", "vary") if key in raw}
+    if nameless := [key for key in ("table", "model") if raw.get(key) == ""]:
+        raise refusal([Problem((key,), "'' names nothing; leave it out") for key in nameless], source, label)
     if isinstance(raw.get("table"), str):
         with_map(raw, folder)
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
@@ -206,6 +208,9 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         yield Problem(("map",), partial(unknown_key, kind, [*MAPS, "file.py:name"], f"map = {shown(kind)}"))
         return
     if unnamed(config):  # only the code knows the rest
+        of = studies().get(config.get("study", ""))
+        if config["vary"] and of is not None and not of.most:
+            yield Problem(("vary",), _how_many(config, of, []))
         broken_ranges: list[Problem] = []
         config["vary"] = dict(_ranges(config, broken_ranges))
         yield from broken_ranges

@@ -227,6 +227,8 @@ def rendered(
         )
     if not isinstance(title, str):
         raise InputError(f"title = {shown(title)}; give text")
+    if not isinstance(provenance, Mapping | None):
+        raise InputError(f"provenance = {shown(provenance)}; give a mapping or None")
     title = "".join(letter if letter.isprintable() else ascii(letter)[1:-1] for letter in title)
     carried = fig.get("provenance", {}) if isinstance(fig, Mapping) else {}
     origin = json.dumps({**carried, **(provenance or {})}, sort_keys=True, default=str)
