@@ -169,6 +169,17 @@ def test_the_last_of_all_impacts_allowed_is_where_it_was(monkeypatch):
     assert found.outcome == "too many impacts" and found.t[-1] == 4.5
 
 
+def test_impacts_that_take_no_time_end_by_name():
+    """Where the inside of a dome runs into a segment by rounding, a ball that slides came to both in turn, for an hour."""
+    x, y, law = -6.549861652892474, 4.115623321421644, gz.triggered(0.6450598398919127, 0.6577549717644563, 1.39)
+    wall = gz.segment("left", (x, 0.0), (0.0, 0.0), gz.newton(0.0)), gz.segment("right", (0.0, y), (x, y), ELASTIC)
+    table = gz.table([*wall, gz.arc("top", (x, y / 2), y / 2, pi / 2, 3 * pi / 2, law)], rho=0.0922778247380345)
+    start = -5.514421755419415, 3.942555132582573, -1.7657450624970692, -0.1847135785145091
+    found = gz.trajectory(table, start, until=9.0, samples=2)
+    assert found.outcome == "too many impacts" and np.ptp(found.impact_time[-200:].values) == 0.0
+    assert module.STILL < len(found.impact_time) < 2 * module.STILL
+
+
 def test_it_ends_at_the_tip_of_a_flipper_on_which_it_slid_there():
     """It ended where that slide began."""
     one = gz.flipper("F", (0, 0), 2.0, (0.1, 0.1), 0.0, -0.3, gz.newton(0.0), up=0.05, down=1.0)
