@@ -170,7 +170,7 @@ def test_the_last_of_all_impacts_allowed_is_where_it_was(monkeypatch):
 
 
 def test_impacts_that_take_no_time_end_by_name():
-    """Where the inside of a dome runs into a segment by rounding, a ball that slides came to both in turn, for an hour."""
+    """Where the inside of a dome runs into a segment by rounding, a sliding ball came to both in turn, for an hour."""
     x, y, law = -6.549861652892474, 4.115623321421644, gz.triggered(0.6450598398919127, 0.6577549717644563, 1.39)
     wall = gz.segment("left", (x, 0.0), (0.0, 0.0), gz.newton(0.0)), gz.segment("right", (0.0, y), (x, y), ELASTIC)
     table = gz.table([*wall, gz.arc("top", (x, y / 2), y / 2, pi / 2, 3 * pi / 2, law)], rho=0.0922778247380345)
