@@ -9,7 +9,6 @@ edit anywhere below a kernel can never be answered from an old file.
 from __future__ import annotations
 
 import hashlib
-import math
 import os
 import sys
 import threading
@@ -23,7 +22,6 @@ import numpy as np
 
 from grazing.kernel.content import (
     COMPILED,
-    LIBRARIES,
     Known,
     behind,
     below,
@@ -31,6 +29,8 @@ from grazing.kernel.content import (
     digest,
     enclosed,
     is_kernel,
+    is_library,
+    looks_up,
     named,
 )
 from grazing.kernel.disk import cache_folder as cache_folder
@@ -234,6 +234,8 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     if numba.config.DISABLE_JIT:
         raise InputError("numba is told by a file .numba_config.yaml not to compile; set NUMBA_DISABLE_JIT=1 instead")
     content = digest(function, known)
+    if looks_up(function):
+        raise UserCodeError(f"{function.__name__} names a module and getattr; write what it takes behind a dot")
     resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic, known))
     # Machine code from the disk brings its callees along, and the linker knows them by name only: two different
     # kernels must never share a name, whatever process compiled them.
@@ -271,7 +273,11 @@ def _inner_jit(function: FunctionType, arithmetic: str, known: Known) -> Any:
     if key not in _inner:
         role = "unit" if getattr(function, "unit", False) and apart() else "part"
         _inner[key] = None
-        _inner[key] = _jit(function, arithmetic, role, known)
+        try:
+            _inner[key] = _jit(function, arithmetic, role, known)
+        except GrazingError:
+            del _inner[key]
+            raise
     if _inner[key] is None:
         raise UserCodeError(f"{function.__name__} calls itself; a kernel must not be recursive")
     return _inner[key]
@@ -289,15 +295,14 @@ def _knowing(function: FunctionType, dispatcher: Any) -> Callable[[Any], Any]:
 
     def has_module(kind: Any) -> bool:
         if isinstance(kind, types.Module):
-            return not isinstance(kind.pymod, Seen)  # whose numbers are all hashed where it has its name
-        return any(map(has_module, getattr(kind, "types", ())))
+            return not (isinstance(kind.pymod, Seen) or is_library(kind.pymod))  # what these have is known
+        inner = [kind.yield_type] if isinstance(kind, types.Generator) else getattr(kind, "types", ())
+        return any(map(has_module, inner))
 
     def checked(sig: Any) -> Any:
         args = tuple(getattr(sig, "args", sig))
         if any(map(has_module, args)):
             raise UserCodeError(f"{function.__name__} is given a module; give it the numbers that it takes from there")
-        if any(isinstance(kind, types.StringLiteral) for kind in args) and behind(function):
-            raise UserCodeError(f"{function.__name__} is given a text and names a module; name there what it takes")
         made = compile(sig)
         if has_module(dispatcher.overloads[args].signature.return_type):
             raise UserCodeError(f"{function.__name__} returns a module; return the numbers that are taken from there")
@@ -330,7 +335,7 @@ def seen(value: Any, names: Collection[str] = ()) -> Any:
     """
     if not hasattr(value, "_asdict") or not all(type(item) is int for item in value):
         return kept(value, names)
-    module = Seen(f"{type(value).__name__} {tuple(value)}")  # code that is given it is called by that
+    module = Seen(f"{type(value).__name__} {value._asdict()}")  # code that is given it is called by that
     vars(module).update(value._asdict())
     return module
 
@@ -342,13 +347,11 @@ def kept(value: Any, names: Collection[str] = (), above: tuple[ModuleType, ...] 
     """
     if isinstance(value, np.ndarray):
         return np.array(value, order="A", subok=True)
-    if type(value) is float and value == 0.0 and math.copysign(1.0, value) < 0.0:
-        return np.float64(value)  # a default of -0.0 is one of 0.0 to the compiler, whichever came first
     if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
         items = [kept(item, names, above) for item in value]
         changed = any(new is not old for new, old in zip(items, value, strict=True))
         return getattr(type(value), "_make", tuple)(items) if changed else value
-    if not isinstance(value, ModuleType) or value.__name__ in LIBRARIES or value in above:
+    if not isinstance(value, ModuleType) or is_library(value) or value in above:
         return value
     found = {name: getattr(value, name) for name in names if hasattr(value, name)}
     copies = {name: kept(item, names, (*above, value)) for name, item in found.items()}
@@ -357,6 +360,32 @@ def kept(value: Any, names: Collection[str] = (), above: tuple[ModuleType, ...] 
     copy = ModuleType(value.__name__)
     vars(copy).update(copies)
     return copy
+
+
+class Bits:
+    """A number that equals those of its kind and bits alone: defaults that are equal are one to numba."""
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and np.array(self).tobytes() == np.array(other).tobytes()
+
+    def __hash__(self) -> int:
+        return hash(np.array(self).tobytes())
+
+
+class Float(Bits, float):
+    """A number, see :class:`Bits`."""
+
+
+class Complex(Bits, complex):
+    """A complex one."""
+
+
+def apart_from(value: Any) -> Any:
+    """Return a default that equals no other one of other bits."""
+    if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
+        return getattr(type(value), "_make", tuple)([apart_from(item) for item in value])
+    kind = {float: Float, np.float64: Float, complex: Complex, np.complex128: Complex}.get(type(value))
+    return value if kind is None else kind(value)
 
 
 def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) -> FunctionType:
@@ -373,8 +402,9 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
 
     names |= {name: code(value) if callable(value) else seen(value, dots) for name, value in named(function).items()}
     cells = tuple(CellType(code(item)) for item in enclosed(function))
-    copy = FunctionType(function.__code__, names, function.__name__, kept(function.__defaults__, dots), cells)
-    copy.__kwdefaults__ = {name: kept(value, dots) for name, value in (function.__kwdefaults__ or {}).items()}
+    defaults = apart_from(kept(function.__defaults__, dots))
+    copy = FunctionType(function.__code__, names, function.__name__, defaults, cells)
+    copy.__kwdefaults__ = {key: apart_from(kept(value, dots)) for key, value in (function.__kwdefaults__ or {}).items()}
     copy.original = function  # type: ignore[attr-defined]  # not __wrapped__: its defaults would be taken
     return copy
 

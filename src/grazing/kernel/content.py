@@ -38,6 +38,9 @@ LIBRARIES = {"math", "cmath", "numpy", "numba"}
 #: What a program can set in a library, and the compiler freezes.
 VALUES = (int, float, complex, np.generic, np.ndarray, str, bytes, tuple)
 
+#: What takes from behind a dot by a text.
+LOOKS = {"getattr", "hasattr"}
+
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
 
@@ -159,24 +162,24 @@ def frozen(function: FunctionType) -> dict[str, Any]:
 def behind(function: FunctionType) -> dict[str, dict[str, Any]]:
     """Return what a function takes from behind the dots of the modules that are frozen in it, by where these stand.
 
-    The compiler freezes it as it freezes what has a name of its own. It may be taken by ``getattr``, too, by any text.
+    The compiler freezes it as it freezes what has a name of its own.
     """
-    values = frozen(function)
-    modules = {key: value for key, value in values.items() if isinstance(value, ModuleType)}
-    names = attributes(function.__code__).union(*map(texts, values.values())) if modules else frozenset()
-    while True:
-        found = {key: dotted(value, names) for key, value in modules.items()}
-        more = names.union(*(texts(value) for each in found.values() for value in each.values()))
-        if more == names:
-            return found
-        names = more
+    modules = {key: value for key, value in frozen(function).items() if isinstance(value, ModuleType)}
+    return {key: dotted(value, attributes(function.__code__)) for key, value in modules.items()}
 
 
-def texts(value: Any) -> frozenset[str]:
-    """Return the texts in a value."""
-    if isinstance(value, tuple):
-        return frozenset().union(*map(texts, value))
-    return frozenset([value] if isinstance(value, str) else [])
+def is_library(module: ModuleType) -> bool:
+    """Say whether a module's name says what stands behind its dots."""
+    return module.__name__.partition(".")[0] in LIBRARIES
+
+
+def looks_up(function: FunctionType) -> bool:
+    """Say whether a function names a module that is no library, and what takes from behind a dot by a text."""
+    values = list(frozen(function).values())
+    named = bool(LOOKS & global_names(function.__code__)) or any(
+        value is getattr or value is hasattr for value in values
+    )
+    return named and any(isinstance(value, ModuleType) and not is_library(value) for value in values)
 
 
 def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> dict[str, Any]:
@@ -184,7 +187,7 @@ def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> di
     if not isinstance(value, ModuleType) or value in above:
         return {}
     found: dict[str, Any] = {}
-    library = value.__name__.partition(".")[0] in LIBRARIES
+    library = is_library(value)
     for name in sorted(names):
         item = vars(value).get(name, dotted) if library else getattr(value, name, dotted)
         if library and isinstance(item, ModuleType):

@@ -341,8 +341,8 @@ function build() {
     if (free && took === 0) pictures[0].focus({ preventScroll: true });
   }, true);
   addEventListener("keydown", (event) => {
-    const { target, defaultPrevented, ctrlKey, metaKey, altKey } = event;
-    if (/** @type {HTMLElement} */ (target).tagName !== "CANVAS" || defaultPrevented || ctrlKey || metaKey || altKey) return;
+    const { target, defaultPrevented, ctrlKey, metaKey, altKey, key } = event;
+    if (/** @type {HTMLElement} */ (target).tagName !== "CANVAS" || defaultPrevented || ctrlKey || metaKey || altKey || /^(Arrow|Enter)/.test(key)) return;
     if (offered(event, seen().filter((each) => each !== target)) >= 0) event.preventDefault();
   });
   const sizes = new ResizeObserver(again);

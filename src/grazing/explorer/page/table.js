@@ -137,6 +137,7 @@ function shares() {
 
 /** Show a table. @param {string} name @param {Record<string, number>} changes */
 function choose(name, changes = {}) {
+  $("note").hidden = true;
   rung = RUNGS.find((each) => each.table === name) ?? RUNGS[0];
   for (const button of document.querySelectorAll("#rungs button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
   $("headline").textContent = rung.headline;
