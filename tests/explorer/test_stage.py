@@ -534,3 +534,42 @@ def test_on_a_low_screen_an_exercise_leaves_room_for_its_pictures(opened, addres
     shown.page.wait_for_timeout(100)
     for canvas in ("strip", "ball-diagram"):
         assert shown.page.locator(f"#{canvas}").bounding_box()["height"] > 220
+
+
+#: How wide and how high the cobweb is between its axes, in CSS pixels, and where that ends.
+WEB = """() => {
+  const { axes } = (explorer.views.gap ?? explorer.views.map).cobweb, { left, top } = axes.canvas.getBoundingClientRect();
+  const { x, y, w, h } = axes.box;
+  return axes.canvas.checkVisibility() ? [w, h, x + w, y + h].map((each, i) => each * axes.zoom + [0, 0, left, top][i]) : [];
+}"""
+ASKED = "&note=Let μ rise until the orbit of period 3 ends, and fall until it doubles. What does the point do at each end?"
+
+
+@pytest.mark.parametrize("more", [ASKED, "", "&tour=7", "&tour=7&answer=3"], ids=["exercise", "plain", "asked", "told"])
+def test_on_a_phone_before_a_room_the_cobweb_is_as_wide_as_the_screen(phone, address, more):
+    phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=0.01:0.3&mu=0.15&x0=0.1&web=3&columns=60{more}")
+    phone.page.keyboard.press("p")
+    phone.settle()
+    width, height, right, bottom = phone.page.evaluate(WEB)
+    assert min(width, height) > 280 and right <= 390
+    slider = phone.page.locator(".control.turned").bounding_box()
+    step = phone.page.locator("#web-step").bounding_box()
+    assert bottom < step["y"] and step["y"] + step["height"] <= slider["y"]
+    words = phone.page.locator("#guide" if "tour" in more else "#note" if more else "#gap-diagram").bounding_box()
+    assert words["height"] > 60 and words["y"] + words["height"] < bottom - height
+    phone.page.tap("#web-none")
+    phone.until("() => explorer.state().web === 0")
+    assert phone.page.evaluate(WEB) == [width, height, right, bottom]
+
+
+def test_on_a_phone_the_stairs_are_seen_while_a_slider_is_moved(phone, address):
+    phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&web=3&columns=60")
+    phone.page.locator("input[type=range][name=mu]").scroll_into_view_if_needed()
+    for far in (0, 200):
+        phone.page.evaluate("(far) => scrollBy(0, far)", far)
+        _, height, _, bottom = phone.page.evaluate(WEB)
+        slider = phone.page.locator("input[type=range][name=mu]").bounding_box()
+        assert height > 250 and 0 < bottom - height and bottom < slider["y"] < 844
+        at = phone.page.locator("#cobweb").bounding_box()
+        seen = "([x, y]) => document.elementFromPoint(x, y).id"
+        assert phone.page.evaluate(seen, [at["x"] + 200, bottom - height + 20]) == "cobweb"

@@ -21,6 +21,7 @@ import { CHOICES, DEFAULTS, PINNABLE, VARIED, adopt, allowed, fromFragment, mend
 import { isTyped, stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
+import { TOUR } from "./tour.js";
 import { still } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -161,6 +162,7 @@ function render() {
   const isIn = (/** @type {string | undefined} */ scenes) => (scenes ?? "").split(" ").includes(shown);
   for (const section of all("[data-for]")) section.hidden = !isIn(section.dataset.for);
   $("main").dataset.shown = state.view;
+  $("main").classList.toggle("web", Boolean((TOUR[state.tour - 1]?.state ?? home).web)); // where there is room for one picture it is the cobweb
   for (const button of all("[data-view]")) button.setAttribute("aria-pressed", String(button.dataset.view === state.view));
   for (const [name, control] of Object.entries(controls)) {
     control.set(part(state, name));
