@@ -336,11 +336,13 @@ function build() {
   addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
   addEventListener("keydown", (event) => {
     const target = /** @type {HTMLElement} */ (event.target), pictures = seen(), { key } = event, free = target === document.body;
-    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
-    const took = offered(event, pictures);
+    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || (target.tagName === "CANVAS" && !(key === "0" && state.web && target.id === "gap-diagram")) || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
+    // beside a cobweb with stairs the key that begins again is first of all the cobweb's
+    const took = offered(event, key === "0" && state.web ? [...pictures].reverse() : pictures);
     if (took < 0) return;
     event.preventDefault();
-    if (free && took === 0) pictures[0].focus({ preventScroll: true });
+    if (key === "0") event.stopPropagation();
+    if (free && took === 0 && key !== "0") pictures[0].focus({ preventScroll: true });
   }, true);
   addEventListener("keydown", (event) => {
     const { target, defaultPrevented, ctrlKey, metaKey, altKey, key } = event;
