@@ -593,6 +593,7 @@ def test_with_all_controls_the_picture_is_no_ribbon(shown, address, link, pictur
         assert shown.page.locator("#phase").bounding_box()["height"] > 200
     shown.page.click("#more")
     assert shown.page.locator(f"#{picture}").bounding_box()["height"] > 240
+    shown.page.click("#end")
 
 
 def test_the_key_that_begins_again_is_first_the_cobwebs(shown, address):
@@ -606,3 +607,4 @@ def test_the_key_that_begins_again_is_first_the_cobwebs(shown, address):
         shown.page.keyboard.press(key)
         shown.until(f"() => explorer.state().web === {web}")
         assert (shown.page.evaluate("() => explorer.state().span[0]") == -0.05) == zoomed
+    shown.page.click("#end")
