@@ -551,7 +551,7 @@ ASKED = (
 def test_on_a_phone_before_a_room_the_cobweb_is_as_wide_as_the_screen(phone, address, more):
     phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=0.01:0.3&mu=0.15&x0=0.1&web=3&columns=60{more}")
     phone.page.keyboard.press("p")
-    phone.settle()
+    phone.until("() => document.getElementById('stage').checkVisibility()")
     width, height, right, bottom = phone.page.evaluate(WEB)
     assert min(width, height) > 280 and right <= 390
     slider = phone.page.locator(".control.turned").bounding_box()
