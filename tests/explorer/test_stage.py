@@ -566,11 +566,11 @@ def test_on_a_phone_before_a_room_the_cobweb_is_as_wide_as_the_screen(phone, add
 
 def test_on_a_phone_the_stairs_are_seen_while_a_slider_is_moved(phone, address):
     phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&web=3&columns=60")
-    phone.page.locator("input[type=range][name=mu]").scroll_into_view_if_needed()
+    phone.page.locator(".control[data-name=mu] input[type=range]").scroll_into_view_if_needed()
     for far in (0, 200):
         phone.page.evaluate("(far) => scrollBy(0, far)", far)
         _, height, _, bottom = phone.page.evaluate(WEB)
-        slider = phone.page.locator("input[type=range][name=mu]").bounding_box()
+        slider = phone.page.locator(".control[data-name=mu] input[type=range]").bounding_box()
         assert height > 250 and 0 < bottom - height and bottom < slider["y"] < 844
         at = phone.page.locator("#cobweb").bounding_box()
         seen = "([x, y]) => document.elementFromPoint(x, y).id"
@@ -601,7 +601,7 @@ def test_the_key_that_begins_again_is_first_the_cobwebs(shown, address):
     whole = shown.page.evaluate("() => { const { axes } = explorer.views.gap.cobweb; return axes.x1; }")
     assert whole > 0.2  # the start is in the picture
     shown.page.keyboard.press("p")
-    shown.page.focus("input[type=range][name=mu]")
+    shown.page.focus(".control[data-name=mu] input[type=range]")
     shown.page.keyboard.press("ArrowRight")
     for key, web, zoomed in (("0", 0, True), ("0", 0, False)):
         shown.page.keyboard.press(key)
