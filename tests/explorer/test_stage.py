@@ -567,7 +567,7 @@ def test_on_a_phone_before_a_room_the_cobweb_is_as_wide_as_the_screen(phone, add
 def test_on_a_phone_the_stairs_are_seen_while_a_slider_is_moved(phone, address):
     phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&web=3&columns=60")
     phone.page.locator(".control[data-name=mu] input[type=range]").scroll_into_view_if_needed()
-    for far in (0, 200):
+    for far in (0, -150):
         phone.page.evaluate("(far) => scrollBy(0, far)", far)
         _, height, _, bottom = phone.page.evaluate(WEB)
         slider = phone.page.locator(".control[data-name=mu] input[type=range]").bounding_box()
