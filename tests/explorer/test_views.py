@@ -65,6 +65,7 @@ def state(page, key):
 
 
 def saved(page, kind, folder):
+    page.page.select_option("#times", "0")  # a bitmap as on the screen
     with page.page.expect_download() as download:
         page.page.click(f"[data-save={kind}]")
     path = folder / download.value.suggested_filename

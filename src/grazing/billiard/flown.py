@@ -52,7 +52,7 @@ Floats = NDArray[np.float64]
 INFINITY = float("inf")
 #: Flights of one call of the recorder, and impacts of a trajectory at most.
 CAPACITY, MAX_IMPACTS = 2048, 1_000_000
-#: Impacts after which a ball is followed no further that takes no time for them: less than this share of its time.
+#: Exact decisions after which a ball is followed no further that takes no time for them: less than a share of its time.
 STILL, INSTANT = 200, 2.0**-46
 #: Columns of a flight: its length, the surface and object it ends at or -1, velocities along the normal before and
 #: after, flags; then the states at its begin, at its end and just after the impact there; the surface on which it is a
@@ -171,7 +171,7 @@ def played_flights(
     gates, pressed = len(table.objects), {} if pressed is None else pressed
     block, passed = block_played(table, pressed), list[int]()
     now, found, hits, idle, going = np.array([start, left, *state]), [], 0, 0, True
-    still, at = 0, start  # impacts since that time, which is as good as now
+    still, at = 0, start  # decisions since that time, which is as good as now
     while going:
         flights, going = followed(block, now, until, 1 if passed or once else most - hits)
         found.append(flights)
@@ -202,7 +202,7 @@ def played_flights(
         if once and not np.isnan(last[BEFORE]):
             break
         hits, idle = hits + len(met), len(flights) - 1 - met[-1] if len(met) else idle + len(flights)
-        still, at = (still + len(met), at) if now[0] - at <= INSTANT * abs(now[0]) else (0, float(now[0]))
+        still, at = (still + 1, at) if now[0] - at <= INSTANT * abs(now[0]) else (0, float(now[0]))
         if going and (hits >= most or idle > SLIDES or still > STILL):
             last[FLAGS] = int(last[FLAGS]) | (TOO_MANY_IMPACTS if hits >= most or still > STILL else TOO_MANY_SWINGS)
             break
