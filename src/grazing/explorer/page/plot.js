@@ -130,7 +130,7 @@ export class Axes {
     this.box = { x: left, y: top, w: Math.max(10, width - left - right), h: Math.max(10, height - top - bottom) };
     if (equal) {
       const side = Math.min(this.box.w, this.box.h);
-      this.box = { x: left + (this.box.w - side) / 2, y: top, w: side, h: side };
+      this.box = { x: left + Math.round((this.box.w - side) / 2), y: top, w: side, h: side };
     }
     this.x.range([this.box.x, this.box.x + this.box.w]);
     this.y.range([top + this.box.h, top]);
