@@ -2,6 +2,7 @@
 
 import math
 import re
+from itertools import pairwise
 from shlex import split
 
 import numpy as np
@@ -117,13 +118,59 @@ def test_balls_part_where_orbits_are_chaotic(shown, address):
     faster(shown)
     pixels = f"() => {{ const {{ company, place, strip: {{ axes }} }} = {BALL}; company.begin(); "
     pixels += "return Math.abs(axes.y(company.twin.place[0]) - axes.y(place[0])); }"
-    assert 0 < shown.page.evaluate(pixels) < 1  # it begins where it cannot be told from the ball
+    assert shown.page.evaluate(pixels) < 4  # it begins behind the ball
     height = shown.page.evaluate(f"() => {BALL}.axes.x1")
     apart = f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])"
     shown.until(f"{apart} > {0.3 * height}")  # it is seen
     shown.until(f"() => {BALL}.company.rate.turns >= 60")
-    shown.until("() => document.getElementById('rate').textContent.includes('and was put beside the ball again')")
+    shown.until("() => document.getElementById('rate').textContent.includes('The twin parted after')")
     assert re.search(r"Near balls part: λ = 0\.\d+ a push, over the next \d+ pushes", shown.page.inner_text("#rate"))
+
+
+def test_who_looks_for_ten_seconds_sees_balls_part_and_finds_it_there_later(shown, address):
+    link = "omega=6&V=0&offset=-0.2&reach=-0.3:0"  # the exercise on chaos
+    shown.open(f"{address}#version=2&view=ball&columns=20&{link}")
+    shown.until(f"() => {BALL}.classes.length")
+    shown.page.click("#twin")
+    faster(shown)
+    shown.until(f"() => !{BALL}.playing")
+    parted, logs = shown.page.evaluate(f"() => [{BALL}.company.twin.parted, {BALL}.company.twin.distances]")
+    begun = logs[0][0]
+    visible = next(turn for turn, log in logs if log > math.log(0.1))
+    assert logs[0][1] < math.log(0.02) and visible - begun < 10 * 0.7 and visible - begun <= parted
+    assert "The twin parted after" in shown.page.inner_text("#rate")
+    shown.page.click("#play")  # nobody puts it beside the ball again
+    shown.until(f"() => {BALL}.turn > {logs[-1][0] + 6}")
+    assert shown.page.evaluate(f"() => {BALL}.company.twin.parted") == parted
+    shown.page.click("#settle")
+    shown.until(f"() => {BALL}.company.twin.parted === 0")
+
+
+def test_hops_that_chatter_accumulate_as_they_are_stepped_through(shown, address):
+    shown.open(f"{address}#version=2&view=ball&V=0&r=0.7&offset=-0.5&reach=-0.6:0.1&columns=20")
+    shown.until(f"() => {BALL}.classes.length")
+    shown.page.evaluate(f"() => {{ {BALL}.step(); {BALL}.begin(); }}")
+    said = []
+    shown.page.evaluate(
+        "() => { const pen = explorer.views.ball.strip.axes.context, write = pen.fillText;"
+        " pen.fillText = (t, ...at) => { if (/impact/.test(t)) globalThis.counted = t; write.call(pen, t, ...at); }; }"
+    )
+    for _ in range(9):
+        shown.page.click("#step")
+        said.append(shown.page.evaluate("() => globalThis.counted.split('· ')[1]"))
+    assert said == ["1 impact", *(f"{n} impacts" for n in range(2, 10))]
+    # from near: the marks of seven of them are told apart
+    xs = shown.page.evaluate(f"() => {BALL}.past.marks.slice(-9).map(m => {BALL}.strip.axes.x(m.turn))")
+    assert sum(b - a > 2 for a, b in pairwise(xs)) >= 7
+    shown.page.click("#play")
+    shown.until("() => globalThis.counted.includes('∞')")
+
+
+def test_the_ball_is_below_the_words_at_the_top_of_its_swing(shown, address):
+    shown.open(f"{address}#version=2&view=ball&offset=0.14&columns=20&tour=2")
+    shown.until(f"() => {BALL}.classes.length")
+    highest = f"() => {BALL}.strip.axes.y(Math.max(...{BALL}.attractor.u))"
+    assert shown.page.evaluate(highest) - 17 > 26
 
 
 def test_balls_come_together_on_a_periodic_orbit(shown, address):

@@ -534,3 +534,77 @@ def test_on_a_low_screen_an_exercise_leaves_room_for_its_pictures(opened, addres
     shown.page.wait_for_timeout(100)
     for canvas in ("strip", "ball-diagram"):
         assert shown.page.locator(f"#{canvas}").bounding_box()["height"] > 220
+
+
+#: How wide and how high the cobweb is between its axes, in CSS pixels, and where that ends.
+WEB = """() => {
+  const { axes } = explorer.views.gap.cobweb, { left, top } = axes.canvas.getBoundingClientRect();
+  const { x, y, w, h } = axes.box;
+  return [w, h, x + w, y + h].map((each, i) => each * axes.zoom + [0, 0, left, top][i]);
+}"""
+ASKED = (
+    "&note=Let mu rise until the orbit of period 3 ends, and fall until it doubles. What does the point do at each end?"
+)
+
+
+@pytest.mark.parametrize("more", [ASKED, "", "&tour=7", "&tour=7&answer=3"], ids=["exercise", "plain", "asked", "told"])
+def test_on_a_phone_before_a_room_the_cobweb_is_as_wide_as_the_screen(phone, address, more):
+    phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=0.01:0.3&mu=0.15&x0=0.1&web=3&columns=60{more}")
+    phone.page.keyboard.press("p")
+    phone.until("() => document.getElementById('stage').checkVisibility()")
+    width, height, right, bottom = phone.page.evaluate(WEB)
+    assert min(width, height) > 280 and right <= 390
+    slider = phone.page.locator(".control.turned").bounding_box()
+    step = phone.page.locator("#web-step").bounding_box()
+    assert bottom < step["y"] and step["y"] + step["height"] <= slider["y"]
+    words = phone.page.locator("#guide" if "tour" in more else "#note" if more else "#gap-diagram").bounding_box()
+    assert words["height"] > 60 and words["y"] + words["height"] < bottom - height
+    phone.page.tap("#web-none")
+    phone.until("() => explorer.state().web === 0")
+    assert phone.page.evaluate(WEB) == [width, height, right, bottom]
+
+
+def test_on_a_phone_the_stairs_are_seen_while_a_slider_is_moved(phone, address):
+    phone.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&web=3&columns=60")
+    phone.page.locator(".control[data-name=mu] input[type=range]").scroll_into_view_if_needed()
+    for far in (0, -150):
+        phone.page.evaluate("(far) => scrollBy(0, far)", far)
+        _, height, _, bottom = phone.page.evaluate(WEB)
+        slider = phone.page.locator(".control[data-name=mu] input[type=range]").bounding_box()
+        assert height > 250 and 0 < bottom - height and bottom < slider["y"] < 844
+        at = phone.page.locator("#cobweb").bounding_box()
+        seen = "([x, y]) => document.elementFromPoint(x, y).id"
+        assert phone.page.evaluate(seen, [at["x"] + 200, bottom - height + 20]) == "cobweb"
+
+
+@pytest.mark.parametrize(
+    ("link", "picture"),
+    [
+        ("view=ball&V=0&r=0.7&offset=-0.5&note=The force hardly changes while the ball hops. How long?", "strip"),
+        ("view=ball&omega=6&V=0&offset=-0.2&twin=yes&tour=9&answer=2", "strip"),
+        ("view=chart&chart=basins&offset=0.1225&chart_columns=12&chart_rows=10&note=For which d do two live?", "chart"),
+    ],
+)
+def test_with_all_controls_the_picture_is_no_ribbon(shown, address, link, picture):
+    shown.page.set_viewport_size({"width": 1280, "height": 720})
+    shown.open(f"{address}#version=2&columns=20&{link}")
+    shown.page.keyboard.press("p")
+    if "V=0&r" in link:  # an exercise has its portrait
+        assert shown.page.locator("#phase").bounding_box()["height"] > 200
+    shown.page.click("#more")
+    assert shown.page.locator(f"#{picture}").bounding_box()["height"] > 240
+    shown.page.click("#end")
+
+
+def test_the_key_that_begins_again_is_first_the_cobwebs(shown, address):
+    shown.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&x0=0.2&web=3&columns=20")
+    whole = shown.page.evaluate("() => { const { axes } = explorer.views.gap.cobweb; return axes.x1; }")
+    assert whole > 0.2  # the start is in the picture
+    shown.page.keyboard.press("p")
+    shown.page.focus(".control[data-name=mu] input[type=range]")
+    shown.page.keyboard.press("ArrowRight")
+    for key, web, zoomed in (("0", 0, True), ("0", 0, False)):
+        shown.page.keyboard.press(key)
+        shown.until(f"() => explorer.state().web === {web}")
+        assert (shown.page.evaluate("() => explorer.state().span[0]") == -0.05) == zoomed
+    shown.page.click("#end")

@@ -439,6 +439,17 @@ def test_thumbs_on_a_telephone(browser, address):
     page.wait_for_function(f"() => {GAME}.alive")
     page.touchscreen.tap(box["x"] + 40, box["y"] + 200)
     assert page.evaluate(f"() => {GAME}.presses.left_flipper.length") == 2
+    # all that one plays with is on the screen with the table
+    for button in ("#plunger", "#fan", "[data-press='0']", "[data-press='1']"):
+        place = page.locator(button).bounding_box()
+        assert box["y"] + box["height"] < place["y"] and place["y"] + place["height"] < 844
+    page.locator("#plunger").tap()  # and is not held
+    assert page.evaluate(f"() => Math.hypot(...{GAME}.start.slice(2)) > 0.7 * {GAME}.table.speeds[1]")
+    assert "Hold Launch" in page.inner_text("#said")
+    page.locator("#fan").tap()
+    assert page.evaluate(f"() => {GAME}.ghosts.length > 100")
+    curve = page.locator("#spread-figure").bounding_box()["y"]
+    assert curve < page.locator("#exits-figure").bounding_box()["y"]
     context.close()
 
 

@@ -22,6 +22,8 @@ import { ceiling, inside, moved, swing } from "./walls.js";
 
 /** Periods of forcing in a second at speed 1, and points of the portrait that are remembered. */
 const PACE = 0.7, TRAIL = 800;
+/** Turns between impacts that the ball would hide: they are seen from near, and through it. */
+const CLOSE = 0.2;
 /** Turns of the forcing that the ball has behind it when it begins on a periodic orbit. */
 const TURNS = 9;
 /** Orbits that are drawn at most. */
@@ -61,8 +63,10 @@ export class BallView {
   /** @type {([number, number] | null)[]} where the ball was, null at impacts */ trail = [];
   /** @type {(Hit & {at: number})[]} impacts that are seen to flash */ flash = [];
   impacts = 0;
+  /** The turn in which the ball began: of those before it is known what it would have done. */ #first = 0;
   /** @type {number | undefined} */ last = undefined;
   frame = 0;
+  /** Whether it was stepped to an impact soon after another. */ hops = false;
 
   /**
    * @param {import("./machine.js").Machine} machine
@@ -292,6 +296,8 @@ export class BallView {
     if (!this.state.ball) this.#before();
     this.flash = [];
     this.impacts = 0;
+    this.#first = Math.floor(begun[2] / this.T - this.section + 1e-9);
+    this.hops = false;
     this.last = undefined;
     this.draw();
     this.play(this.playing);
@@ -333,6 +339,7 @@ export class BallView {
 
   /** @param {boolean} on */
   play(on) {
+    this.hops = false;
     this.playing = on;
     /** @type {HTMLElement} */ (document.getElementById("play")).textContent = on ? "Pause" : "Play";
     this.last = undefined;
@@ -361,6 +368,7 @@ export class BallView {
   step() {
     this.play(false);
     const next = this.flight.next(20 * this.T);
+    this.hops = this.impacts > 0 && (next?.t ?? Infinity) - this.now < CLOSE * this.T;
     this.#advance(next ? next.t - this.now + 1e-9 : this.T);
     this.draw();
     this.record();
@@ -385,12 +393,12 @@ export class BallView {
     if (!this.attractor || !this.flight) return;
     this.#run();
     const colour = periodColour(past.heard(this.classes)?.period ?? 0), { twin } = this.company, { aim } = this.sling;
-    const endless = [...past.letters.values()].some(chattered); // completed chatter has impacts without end
+    const endless = [...past.letters].some(([turn, letter]) => turn >= this.#first && chattered(letter)); // completed chatter has impacts without end
     const time = `t = ${(this.turn * this.T).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
     const [shift] = moved(state, this.begun[2] + this.now);
     portrait(axes, { low: state.sigma + shift, high: ceiling(state) + shift, orbits: this.orbits, colour, trail: this.trail, place: this.place, flash: this.flash, playing: this.playing, twin: twin?.place ?? null, aim });
     this.gestures.draw(axes.context);
-    this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], walls: state, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim });
+    this.strip.draw({ past, turn: this.turn, section: this.section, u: this.place[0], walls: state, top: axes.x1, force: this.#force, colour: aim ? theme().accent : colour, live: this.playing, said: time, twin, T: this.T, begins: this.section, aim, hops: this.hops });
     this.canvas.dataset.stage = this.strip.axes.canvas.dataset.stage = "done";
   }
 

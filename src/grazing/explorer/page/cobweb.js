@@ -20,6 +20,7 @@ const GRIP = 24, NUDGE = 0.01, MOST = 400;
 
 export class Cobweb {
   #held = false;
+  /** @type {[Pair, Pair] | null} where the start may be dragged: axes that follow it would run away */ #within = null;
 
   /**
    * @param {{state: State, classes: import("./jobs.js").Class[], web: () => Web}} view
@@ -35,11 +36,12 @@ export class Cobweb {
     canvas.addEventListener("pointerdown", (event) => {
       if (event.button || !event.isPrimary || !view.state || (event.pointerType === "touch" && !this.#near(event))) return;
       this.#held = true;
+      this.#within = [[this.axes.x0, this.axes.x1], [this.axes.y0, this.axes.y1]];
       canvas.setPointerCapture(event.pointerId);
       this.#drag(event);
     });
     canvas.addEventListener("pointermove", (event) => this.#held && this.#drag(event));
-    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => (this.#held = false));
+    for (const end of ["pointerup", "pointercancel"]) canvas.addEventListener(end, () => { this.#held = false; this.#within = null; });
     canvas.addEventListener("touchstart", (event) => this.#near(event.touches[0]) && event.preventDefault(), { passive: false });
     canvas.addEventListener("keydown", (event) => this.#key(event));
   }
@@ -63,7 +65,7 @@ export class Cobweb {
 
   /** @param {number} x @param {number} y */
   #begin(x, y) {
-    const { x0, x1, y0, y1 } = this.axes, within = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ high) => tidy(Math.min(Math.max(value, low), high), high - low);
+    const [[x0, x1], [y0, y1]] = this.#within ?? [[this.axes.x0, this.axes.x1], [this.axes.y0, this.axes.y1]], within = (/** @type {number} */ value, /** @type {number} */ low, /** @type {number} */ high) => tidy(Math.min(Math.max(value, low), high), high - low);
     this.change({ x0: within(x, x0, x1), ...(this.flat ? { y0: within(y, y0, y1) } : {}), web: this.view.state.web || 1 });
   }
 

@@ -15,7 +15,6 @@ export class Company {
   rate = new Rate();
   /** @type {Twin | null} */ twin = null;
   /** @type {[number, number] | null} where the ball will be at the section after the pushes that are measured */ #ahead = null;
-  /** How often the twin had parted, and was put beside the ball again. */ #again = 0;
 
   /** @param {import("./ball.js").BallView} view @param {import("./pool.js").Pool} pool */
   constructor(view, pool) {
@@ -42,7 +41,6 @@ export class Company {
   begin() {
     const { view: { machine, model, turn, section, begun, T, place, now } } = this, [u, v] = now ? place : begun;
     this.rate.forget();
-    this.#again = 0;
     this.#ahead = null;
     if (this.twin) {
       this.#meet();
@@ -65,10 +63,9 @@ export class Company {
   /** The ball has moved on by a time. @param {number} time */
   moved(time) {
     const { view, twin } = this;
-    if (twin && (!twin.flight || twin.advance(time, view.T, view.section, view.place))) {
-      this.#again += twin.flight ? 1 : 0;
-      this.#meet();
-    }
+    const seen = twin?.flight ? twin.advance(time, view.T, view.section, view.place) : null;
+    if (twin && seen === null) this.#meet();
+    if (seen) view.play(false); // who looks away sees it later
     if (twin) this.#measure();
   }
 
@@ -98,7 +95,7 @@ export class Company {
   }
 
   #tell() {
-    this.told.textContent = this.twin ? `${this.rate.said()}${this.#again ? ` The twin has parted ${this.#again === 1 ? "once" : `${this.#again} times`}, and was put beside the ball again.` : ""}` : "";
+    this.told.textContent = this.twin ? `${this.rate.said()}${this.twin.parted ? ` The twin parted after ${Math.round(this.twin.parted)} pushes; Settle puts it beside the ball again.` : ""}` : "";
   }
 
   /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */

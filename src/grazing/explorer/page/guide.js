@@ -61,7 +61,6 @@ export function guided({ change, present, state }) {
   return (/** @type {State} */ now) => {
     const step = TOUR[now.tour - 1], focused = document.activeElement, left = !step && guide.contains(focused);
     guide.hidden = !step;
-    guide.classList.toggle("web", Boolean(step?.state.web)); // where there is room for one picture it is the cobweb
     if (left) byId("tour").focus();
     typeset(byId("note"), now.note);
     byId("note").hidden = !now.note;

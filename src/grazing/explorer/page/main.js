@@ -21,6 +21,7 @@ import { CHOICES, DEFAULTS, PINNABLE, VARIED, adopt, allowed, fromFragment, mend
 import { isTyped, stage } from "./stage.js";
 import { StrobeView } from "./strobe.js";
 import { command, isFigure, python } from "./text.js";
+import { TOUR } from "./tour.js";
 import { still } from "./walls.js";
 
 /** @typedef {import("./state.js").State} State */
@@ -161,6 +162,7 @@ function render() {
   const isIn = (/** @type {string | undefined} */ scenes) => (scenes ?? "").split(" ").includes(shown);
   for (const section of all("[data-for]")) section.hidden = !isIn(section.dataset.for);
   $("main").dataset.shown = state.view;
+  $("main").classList.toggle("web", Boolean((TOUR[state.tour - 1]?.state ?? home).web)); // where there is room for one picture it is the cobweb
   for (const button of all("[data-view]")) button.setAttribute("aria-pressed", String(button.dataset.view === state.view));
   for (const [name, control] of Object.entries(controls)) {
     control.set(part(state, name));
@@ -334,11 +336,13 @@ function build() {
   addEventListener("click", ({ detail, target }) => detail && /** @type {HTMLElement | null} */ (/** @type {HTMLElement} */ (target).closest("button, summary, [type=checkbox]"))?.blur());
   addEventListener("keydown", (event) => {
     const target = /** @type {HTMLElement} */ (event.target), pictures = seen(), { key } = event, free = target === document.body;
-    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || target.tagName === "CANVAS" || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
-    const took = offered(event, pictures);
+    if (event.ctrlKey || event.metaKey || event.altKey || isTyped(target) || (target.tagName === "CANVAS" && !(key === "0" && state.web && target.id === "gap-diagram")) || (!free && (/^(Arrow|Enter)/.test(key) || (key === " " && target.tagName !== "INPUT")))) return;
+    // beside a cobweb with stairs the key that begins again is first of all the cobweb's
+    const took = offered(event, key === "0" && state.web ? [...pictures].reverse() : pictures);
     if (took < 0) return;
     event.preventDefault();
-    if (free && took === 0) pictures[0].focus({ preventScroll: true });
+    if (key === "0") event.stopPropagation();
+    if (free && took === 0 && key !== "0") pictures[0].focus({ preventScroll: true });
   }, true);
   addEventListener("keydown", (event) => {
     const { target, defaultPrevented, ctrlKey, metaKey, altKey, key } = event;

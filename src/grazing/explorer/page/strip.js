@@ -9,13 +9,15 @@ import { moved, swing } from "./walls.js";
 /**
  * What is drawn: what is past, the turn of the forcing now, where letters begin in a turn, the ball, and the force at a turn; while the
  * ball is aimed, that in their place: the flight that begins at the turn `begins`, of `T` a turn.
- * @typedef {{past: Past, turn: number, section: number, u: number, walls: import("./walls.js").Walls & {law: string, V: number}, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null}} Scene
+ * @typedef {{past: Past, turn: number, section: number, u: number, walls: import("./walls.js").Walls & {law: string, V: number}, top: number, force: (turn: number) => number, colour: string, live: boolean, said: string, twin: import("./twin.js").Twin | null, T: number, begins: number, aim: import("./sling.js").Aim | null, hops: boolean}} Scene
  */
 
 /** Pixels of a turn of the forcing, at least; room at the right of the pen; the ball; rows below the bumper. */
 const TURN = 84, RIGHT = 108, BALL = 17, WORD = 46, FORCE = 40, CEILING = 12;
 /** Turns of the forcing that are seen at least and at most: those remembered. */
 const LEAST = 0.5, MOST = 9;
+/** Turns that are seen while impacts are stepped through that follow one another closely. */
+const HOPS = 1.5;
 /** A height of the picture that has no room for the force. */
 const LOW = 240;
 /** What is left in the next frame of room that is no more needed. */
@@ -31,7 +33,7 @@ export class Strip {
 
   /** @param {HTMLElement | null} canvas */
   constructor(canvas) {
-    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30 });
+    this.axes = new Axes(canvas, { left: 0, right: RIGHT, top: 30 + BALL });
   }
 
   /** Show so many turns of the forcing. @param {number} turns 0 for as many as there is room for @param {() => void} redraw */
@@ -46,18 +48,19 @@ export class Strip {
     axes.margin.bottom = WORD + BALL + (low ? 8 : FORCE + 22);
     const c = axes.begin(), { box } = axes, shown = theme(), { aim } = given;
     const scene = aim ? { ...given, past: new Past(), turn: given.begins, u: aim.u } : given;
-    const turns = this.#turned || Math.max(2, Math.min(8, box.w / TURN)), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
+    const turns = this.#turned || (scene.hops ? HOPS : Math.max(2, Math.min(8, box.w / TURN))), last = aim ? scene.turn + turns * (1 - ((aim.pen ?? box.x + 0.2 * box.w) - box.x) / box.w) : scene.turn;
     const bottom = scene.walls.sigma - swing(scene.walls), top = this.#reach(scene, last - turns);
     // under a ceiling there is room for it and for the ball
     const above = scene.walls.two ? (CEILING / Math.max(1, box.h - CEILING)) * (top - bottom) : 0;
     axes.span(last - turns, last, bottom, top + above);
     const width = box.w + RIGHT, floor = box.y + box.h + BALL;
-    if (!aim) this.#turns(c, scene, floor);
-    this.#bumper(c, scene, width, floor);
+    if (!aim) this.#turns(c, scene, floor, low && Boolean(scene.twin));
+    this.#bumper(c, scene, width, floor, low && Boolean(scene.twin && !aim));
     this.#marks(c, scene);
     if (scene.twin && !aim) this.#line(c, { ...scene, past: scene.twin.past, colour: shown.accent }, 1.6);
     this.#line(c, scene);
-    this.#force(c, scene, floor + WORD, low);
+    this.#force(c, scene, floor + WORD, low || Boolean(scene.twin && !aim));
+    if (scene.twin && !aim) this.#distance(c, scene.twin, low ? floor + 6 : floor + WORD + 12, low ? WORD - 6 : FORCE);
     if (aim) this.#ahead(c, scene, aim);
     this.#ball(c, scene);
     if (scene.twin && !aim) this.#twin(c, scene.twin);
@@ -74,14 +77,14 @@ export class Strip {
     c.fillText(said, width - 12, 9);
   }
 
-  /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor */
-  #turns(c, { past, turn, section, colour }, floor) {
+  /** The letters of the word, one for each turn. @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} floor @param {boolean} bare whether there is room for lines only */
+  #turns(c, { past, turn, section, colour }, floor, bare) {
     const { axes } = this, shown = theme();
     for (let n = Math.floor(axes.x0 - section); n <= Math.floor(turn - section); n++) {
       const x = axes.x(n + section), middle = Math.min(axes.x(n + section + 0.5), axes.x(turn)), letter = past.letters.get(n);
       c.fillStyle = shown.line;
       if (x >= 0) c.fillRect(x, axes.box.y, 1, floor - axes.box.y);
-      if (letter === undefined || middle < 12) continue;
+      if (letter === undefined || middle < 12 || bare) continue;
       c.fillStyle = letter === 0 ? shown.faint : colour;
       const said = String(letter).length > 1 ? `(${letter})` : String(letter), font = (/** @type {number} */ size) => (c.font = `700 ${size}px ui-monospace, Menlo, Consolas, monospace`);
       font(letter === 0 ? 24 : 28);
@@ -93,8 +96,8 @@ export class Strip {
     }
   }
 
-  /** @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} width @param {number} floor */
-  #bumper(c, { past, turn, live, walls, T }, width, floor) {
+  /** @param {import("./svg.js").Pen} c @param {Scene} scene @param {number} width @param {number} floor @param {boolean} bare */
+  #bumper(c, { past, turn, live, walls, T }, width, floor, bare) {
     const { axes } = this, shown = theme();
     c.lineWidth = 7;
     for (const [wall, height, off] of [[0, walls.sigma, BALL + 3.5], ...(walls.two ? [[1, walls.sigma_B, -BALL - 3.5]] : [])]) {
@@ -116,7 +119,21 @@ export class Strip {
     c.textBaseline = "middle";
     c.fillText(walls.law !== "newton" && walls.V > 0 ? "bumper" : "wall", width - 12, floor - 10);
     c.fillStyle = shown.faint;
-    c.fillText("word", width - 12, floor + 7 + WORD / 2);
+    if (!bare) c.fillText("word", width - 12, floor + 7 + WORD / 2);
+  }
+
+  /** The logarithm of the distance of the twin: it grows along a line, until balls are as far apart as they can be. @param {import("./svg.js").Pen} c @param {import("./twin.js").Twin} twin @param {number} above @param {number} high */
+  #distance(c, { distances }, above, high) {
+    const { axes } = this, shown = distances.filter(([turn]) => turn >= axes.x0), logs = shown.map(([, log]) => log), [low, most] = [Math.min(...logs, -5), Math.max(...logs, 0)];
+    c.strokeStyle = c.fillStyle = theme().accent;
+    c.lineWidth = 2;
+    c.beginPath();
+    shown.forEach(([turn, log], i) => c[i ? "lineTo" : "moveTo"](axes.x(turn), above + ((most - log) / (most - low)) * high));
+    c.stroke();
+    c.font = `15px ${FONT}`;
+    c.textAlign = "right";
+    c.textBaseline = "middle";
+    c.fillText("ln distance", axes.box.x + axes.box.w + RIGHT - 12, above + high / 2);
   }
 
   /** How high the picture reaches: a flight higher than those of now is seen until it has left, and then the rest grows into its room. @param {Scene} scene @param {number} from the turn at the left */
@@ -239,13 +256,16 @@ export class Strip {
   }
 
   /** @param {import("./svg.js").Pen} c @param {Scene} scene */
-  #ball(c, { turn, u, colour }) {
+  #ball(c, { turn, u, colour, hops }) {
     const { axes } = this, x = axes.x(turn), y = axes.y(u);
     this.ball = [x, y];
-    c.fillStyle = colour;
+    c.fillStyle = hops ? faded(colour, 0.15) : colour;
+    c.strokeStyle = colour;
+    c.lineWidth = 2;
     c.beginPath();
     c.arc(x, y, BALL, 0, 7);
     c.fill();
+    if (hops) c.stroke(); // the last hops are seen through it
     c.fillStyle = faded(colour, 0.4);
     c.beginPath();
     c.arc(x - 6, y - 6, 4, 0, 7);

@@ -20,6 +20,8 @@ import { addressOf, reach } from "./where.js";
 const $ = (/** @type {string} */ id) => /** @type {any} */ (document.getElementById(id));
 /** Seconds to pull the plunger all the way, and of a frame at most. */
 const PULL = 1.2, FRAME = 0.05;
+/** Of a pull shorter than this share a hand means none: the ball has the usual strength. */
+const TAP = 0.2, USUAL = 0.8;
 /** How much faster a nudge makes the ball, as a share of how fast one may be thrown by hand. */
 const NUDGE = 0.1;
 /** Near balls, and the angle between two of them. */
@@ -170,7 +172,7 @@ function edited() {
   if (edit.on) {
     game.clear();
     drawing.clear();
-    say(edit.chosen < 0 ? "Drag a bumper; [ and ] choose one by key, arrows move it." : `${letters.get(edit.chosen) ?? game.things[edit.chosen].name.replaceAll("_", " ")}: drag it, or turn its sliders.`);
+    say(edit.chosen < 0 ? `Drag a bumper${touch.matches ? "." : "; [ and ] choose one by key, arrows move it."}` : `${letters.get(edit.chosen) ?? game.things[edit.chosen].name.replaceAll("_", " ")}: drag it, or turn its sliders.`);
   }
   sliders();
   draw();
@@ -213,7 +215,7 @@ function nudge(across, up) {
 }
 
 function split() {
-  if (!game.alive) plunge(0.8);
+  if (!game.alive) plunge(USUAL);
   game.fan(MANY, SMALL);
   forget();
 }
@@ -427,6 +429,7 @@ function arrive() {
 }
 
 function listen() {
+  if (touch.matches) $("thumbs").append($("fan")); // within reach while the table is seen
   /** @type {Record<string, number>} */
   const KEYS = { ArrowLeft: 0, z: 0, Z: 0, ArrowRight: 1, m: 1, M: 1 };
   /** @type {Record<string, [number, number]>} */
@@ -463,7 +466,7 @@ function listen() {
   // thumbs on the table itself: the half that is touched
   const touched = /** @type {Map<number, number>} */ (new Map()), canvas = $("table");
   let idle = false;
-  canvas.addEventListener("click", () => idle && !edit.on && plunge(0.8)); // and not where a finger begins to scroll
+  canvas.addEventListener("click", () => idle && !edit.on && plunge(USUAL)); // and not where a finger begins to scroll
   canvas.addEventListener("pointerdown", (/** @type {PointerEvent} */ event) => {
     canvas.focus();
     if (edit.on) return;
@@ -483,8 +486,8 @@ function listen() {
     run();
   });
   $("nudge").addEventListener("click", () => nudge(0, 1));
-  $("plunger").addEventListener("pointerup", release);
-  $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(0.8)); // by key
+  $("plunger").addEventListener("pointerup", () => release(true));
+  $("plunger").addEventListener("click", (/** @type {MouseEvent} */ event) => event.detail === 0 && plunge(USUAL)); // by key
   $("pause").addEventListener("click", pause);
   $("fan").addEventListener("click", split);
   // a hand that has pressed a button plays on by keys: Space launches, and presses it not again
@@ -510,12 +513,15 @@ function listen() {
   dark.addEventListener("change", again);
 }
 
-function release() {
+/** Let go of the plunger. @param {boolean} [tapped] whether a pull may have been meant for none */
+function release(tapped) {
   if (!pulled) return;
   const share = Math.min(1, (performance.now() - pulled) / 1000 / PULL);
   pulled = 0;
   $("plunger").textContent = "Launch";
-  plunge(share);
+  const usual = tapped && share < TAP;
+  plunge(usual ? USUAL : share);
+  if (usual) say("Hold Launch to choose how hard.");
 }
 
 function pause() {

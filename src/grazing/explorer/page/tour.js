@@ -25,7 +25,7 @@ export const TOUR = [
       ask: "How far does the motion change?",
       choices: ["By a hair: the touch is slight", "At once by much"],
       right: 1,
-      told: "However slight the touch, the kick is whole: from one value of d to the next the ball flies high, and falls back for several periods before it hits again. Each 0 of the word is a period without an impact.",
+      told: "However slight the touch, the kick is whole: from one value of d to the next the ball is thrown high, here once in six periods: wait for the 1 in the word. Each 0 is a period without an impact.",
       shown: { offset: 0.1305, reach: [0.05, 0.16] },
     },
   },

@@ -7,8 +7,12 @@ import { inside } from "./walls.js";
 
 /** @typedef {import("./flight.js").Model} Model */
 
-/** How far apart the balls begin, of the height of the picture: less than a pixel; how far balls are that have parted, and turns for which they are then left. */
-const NEAR = 1e-3, APART = 0.3, LEFT = 6;
+/** How far apart the balls begin, of the height of the picture: less than what the ball hides; how far balls are that have parted, and turns after which all stops, so that it is seen. */
+const NEAR = 1e-2, APART = 0.3, LEFT = 3;
+/** Where it begins beside the ball, in place and velocity: where balls are farthest apart after so many turns. */
+const SIDES = [[1, 0], [-1, 0], [0, 1], [0, -1]], TRIED = 5;
+/** Times a turn at which the distance is noted, and how many of them are kept. */
+const NOTED = 40, KEPT = 16 * NOTED;
 /** The distance at which the rate is measured, of the height of the picture: small, and far above the rounding of a turn. */
 const SMALL = 1e-7;
 /** Turns that are passed over, in which what is near turns into the direction that grows most. */
@@ -76,28 +80,37 @@ export class Twin {
   place = [0, 0];
   /** Turns of the forcing at a time since it began. */ clock = (/** @type {number} */ t) => t;
   /** The height of the picture. */ height = 1;
-  #left = 0;
+  /** When the balls had parted, in turns since they met; 0 if they have not. */ parted = 0;
+  /** @type {[number, number][]} the logarithm of the distance over the clock */ distances = [];
 
   /**
    * Begin near a state, at a time of the forcing.
    * @param {import("./machine.js").Machine} machine @param {Model} model @param {import("./flight.js").Thrown} at @param {number} turn of the forcing @param {number} height of the picture
    */
   begin(machine, model, [u, v, time], turn, height) {
-    this.place = [inside(model.walls, u + NEAR * height, time) === u + NEAR * height ? u + NEAR * height : inside(model.walls, u - NEAR * height, time), v];
-    this.flight = new Flight(machine, model, [this.place[0], v, time]);
+    const near = NEAR * height, flight = (/** @type {number} */ u, /** @type {number} */ v) => new Flight(machine, model, [u, v, time]);
+    const end = (/** @type {Flight} */ each) => each.advance(TRIED * model.T, [])?.u.at(-1) ?? NaN, ball = end(flight(u, v));
+    const free = SIDES.map(([du, dv]) => [u + du * near, v + (dv * near * 2 * Math.PI) / model.T]).filter(([u]) => inside(model.walls, u, time) === u);
+    const far = free.map(([u, v]) => Math.abs(end(flight(u, v)) - ball) || 0);
+    this.place = free[far.indexOf(Math.max(...far))];
+    this.flight = flight(this.place[0], this.place[1]);
     this.clock = (/** @type {number} */ t) => turn + t / model.T;
     this.height = height;
     this.past.clear();
-    this.#left = 0;
+    this.parted = 0;
+    this.distances = [];
   }
 
-  /** Move on with the ball; whether it has been apart from it for so long that it shall begin anew. @param {number} time @param {number} T @param {number} section @param {[number, number]} ball */
+  /** Move on with the ball; whether it has just been apart from it for so long that all stops, null where its orbit ends. @param {number} time @param {number} T @param {number} section @param {[number, number]} ball */
   advance(time, T, section, ball) {
     const moved = this.flight?.advance(time, []);
-    if (!moved) return true;
+    if (!moved || !this.flight) return null;
     this.past.add(moved, this.clock, section, -Infinity);
     this.place = [moved.u[moved.u.length - 1], moved.v[moved.v.length - 1]];
-    if (this.#left || Math.abs(this.place[0] - ball[0]) > APART * this.height) this.#left += time / T;
-    return this.#left > LEFT;
+    const { now } = this.flight, turns = now / T, [du, dv] = this.place.map((each, i) => each - ball[i]), far = Math.hypot(du, (dv * T) / (2 * Math.PI));
+    if (far > 0 && !(this.clock(now) < (this.distances.at(-1)?.[0] ?? -Infinity) + 1 / NOTED)) this.distances.push([this.clock(now), Math.log(far / this.height)]);
+    this.distances.splice(0, this.distances.length - KEPT);
+    if (!this.parted && Math.abs(du) > APART * this.height) this.parted = turns;
+    return this.parted > 0 && turns > this.parted + LEFT && turns - time / T <= this.parted + LEFT;
   }
 }
