@@ -568,6 +568,8 @@ def test_on_a_phone_the_picture_stays_while_a_slider_is_moved(phone, address, sc
     assert figure.bounding_box()["y"] < controls.bounding_box()["y"]
     sliders = phone.page.locator("#controls input[type=range]:visible")
     assert sliders.count() >= 3
+    if (stairs := phone.page.locator("figure:has(#cobweb):visible")).count():
+        figure = stairs  # the track of a slider has the colours of the diagram, not the stairs
     for i in (0, sliders.count() - 1):
         phone.page.evaluate("e => e.scrollIntoView({ block: 'center' })", sliders.nth(i).element_handle())
         seen, slider = figure.bounding_box(), sliders.nth(i).bounding_box()
