@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import behind, below, coded, content, digest, frozen
+from grazing.kernel.content import Seen, below, coded, content, digest, frozen
 from grazing.outcome import InputError, raised
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
@@ -128,12 +128,19 @@ def _outline(function: FunctionType) -> str:
     """
     found, seen = [], [function]
     for each in seen:  # which grows
-        values = [*frozen(each).items(), *(pair for taken in behind(each).values() for pair in taken.items())]
-        found.append(
-            (coded(each.__code__), [(key, content(value, (), {})) for key, value in values if _is_comparable(value)])
-        )
+        found.append((coded(each.__code__), _comparable(frozen(each))))
         seen += [one for one in below(each) if one not in seen and not one.__module__.startswith("grazing.")]
     return hashlib.sha256(repr(found).encode()).hexdigest()
+
+
+def _comparable(values: dict[str, Any], above: tuple[Any, ...] = ()) -> list[Any]:
+    """Return of values what two processes can compare, and of modules what is behind their dots."""
+    inner = [
+        (key, _comparable(vars(value), (*above, value)))
+        for key, value in values.items()
+        if isinstance(value, Seen) and not any(value is each for each in above)
+    ]
+    return [(key, content(value, (), {})) for key, value in values.items() if _is_comparable(value)] + inner
 
 
 def _is_comparable(value: object) -> bool:

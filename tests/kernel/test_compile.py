@@ -202,6 +202,11 @@ TWINS = {
     ),
     "what is behind a module that is a default": ("def f(x, m=module({0})): return x * m.K", "2.0", "3.0"),
     "what is behind one that is a keyword's": ("def f(x, *, m=module({0})): return x * m.K", "2.0", "3.0"),
+    "what is behind one that is called as a library": (
+        "class C:\n    K = {0}\nm = module(C, 'C')\nm.__name__ = 'math'\ndef f(x): return x * m.C.K",
+        "2.0",
+        "3.0",
+    ),
     "the sign of a NaN": ("N = {0}math.nan\ndef f(x): return math.copysign(x, N)", "", "-"),
     "the sign of a NaN in the text": ("def f(x): return math.copysign(x, {0}(1e999 - 1e999))", "", "-"),
     "an enum that shows no number": (
@@ -432,35 +437,45 @@ def test_a_users_function_may_have_the_name_of_a_primitive():
     assert compiled(calls)(3.0) == 7.0
 
 
-@pytest.mark.parametrize(
-    ("text", "said"),
-    [
-        ("def g(n, x): return n.K * x\ndef f(x): return g(m, x)", "g is given a module"),
-        ("def g(n, x): return n[1].K * x\ndef f(x): return g((1.0, m), x)", "g is given a module"),
-        ("def g(): return m\ndef f(x): return g().K * x", "g returns a module"),
-        ("def g():\n    yield m\ndef f(x):\n    for n in g(): x = n.K * x\n    return x", "g returns a module"),
-        ("def g(n, x): return getattr(m, n) * x\ndef f(x): return g('K', x)", "g names a module and getattr"),
-        ("def g(*n): return getattr(m, n[0]) * n[1]\ndef f(x): return g('K', x)", "g names a module and getattr"),
-        ("def n(): return 'K'\ndef g(x): return getattr(m, n()) * x\ndef f(x): return g(x)", "g names a module and"),
-        ("look = getattr\ndef g(n, x): return look(m, n[0]) * x\ndef f(x): return g(('K', 1), x)", "g names a module"),
-    ],
-)
-def test_what_is_behind_a_module_is_taken_where_the_module_is_named(text, said):
+#: Ways by which a function takes what stands behind the dot of a module, whose name stands in another function.
+ELSEWHERE = [
+    "def g(n, x): return n.K * x\ndef f(x): return g(m, x)",
+    "def g(n, x): return n[1].K * x\ndef f(x): return g((1.0, m), x)",
+    "def g(): return m\ndef f(x): return g().K * x",
+    "def g():\n    yield m\ndef f(x):\n    for n in g(): x = n.K * x\n    return x",
+    "def g(n, x): return getattr(m, n) * x\ndef f(x): return g('K', x)",
+    "def g(*n): return getattr(m, n[0]) * n[1]\ndef f(x): return g('K', x)",
+    "def n(): return 'K'\ndef g(x): return getattr(m, n()) * x\ndef f(x): return g(x)",
+    "look = getattr\ndef g(n, x): return look(m, n[0]) * x\ndef f(x): return g(('K', 1), x)",
+    "def g(n, x): return getattr(m, n, 1.0) * x\ndef f(x): return g('K', x)",
+    "def g(n, x): return x if hasattr(m, n) else -x\ndef f(x): return g('K', x)",
+    "def g(n, x): return n.m.K * x\ndef f(x): return g(m.m, x)",
+]
+
+
+@pytest.mark.parametrize("module", ["theirs", "math"])
+@pytest.mark.parametrize("text", ELSEWHERE)
+def test_what_is_behind_a_module_is_taken_where_the_module_is_named(text, module, monkeypatch):
     """Neither hash held the number: kernels went on with the old one, from the disk, too."""
-    scope = {"m": ModuleType("theirs")}
-    scope["m"].K = 2.0
+    named = math if module == "math" else ModuleType("theirs")
+    monkeypatch.setattr(named, "K", 2.0, raising=False)
+    monkeypatch.setattr(named, "m", named, raising=False)
+    scope = {"m": named}
     exec(text, scope)
     for _ in range(2):  # the second time it was said to call itself
-        with pytest.raises(UserCodeError, match=said):
+        with pytest.raises(UserCodeError, match=f"{module} has no K, or none that is taken where {module} is named"):
             call(compiled(scope["f"]), 1.5)
 
 
-def test_a_library_may_be_handed_on_and_a_text_choose():
-    def shape(library, kind, x):
-        return library.sin(x) if kind == "sin" else math.tanh(x)
+def test_a_module_may_be_handed_on_with_what_is_taken_where_it_is_named():
+    def shape(library, theirs, x):
+        return library.sin(x) * theirs.K
 
-    for kind in ("sin", "tanh"):
-        assert compiled(lambda x, k=kind: shape(math, k, x))(0.5) == getattr(math, kind)(0.5)
+    def handing(library, theirs):
+        return lambda x: shape(library, theirs, x) + 0.0 * library.sin(x) * theirs.K
+
+    found = [compiled(handing(math, own_module(K=k)))(0.5) for k in (2.0, 3.0, 2.0)]
+    assert found == [k * math.sin(0.5) for k in (2.0, 3.0, 2.0)]
 
 
 def test_a_record_of_whole_numbers_may_be_handed_on():

@@ -14,6 +14,7 @@ from grazing.kernel.content import digest
 from grazing.kernel.primitives import inlined, unit
 from grazing.kernel.wide import plain
 from grazing.parameter import parameter_tuple
+from tests.kernel.test_compile import run_in_a_process
 from tests.processes import python
 
 pytestmark = pytest.mark.skipif(bool(plain()), reason=f"numba's own pipeline knows no units: {plain()}")
@@ -151,3 +152,25 @@ def test_a_caller_that_names_a_unit_nobody_has_is_compiled_again(folder, monkeyp
     with event.install_listener("numba:compile", Heard()) as heard:
         assert compiled(again)(2.0) == 9.0
     assert "first" in heard.names
+
+
+def test_a_unit_may_be_given_a_record_and_a_module(tmp_path):
+    """What it was given could not be written to the disk with it."""
+    (tmp_path / "theirs.py").write_text("K = 3.0\n")
+    (tmp_path / "top.py").write_text(
+        """
+from collections import namedtuple
+from grazing.kernel.primitives import unit
+import theirs
+SIZES = namedtuple("sizes", "a b")(2, 5)
+
+@unit
+def inner(sizes, module, x):
+    return sizes.a * module.K * x
+
+def outer(x):
+    return inner(SIZES, theirs, x) + theirs.K
+"""
+    )
+    said = [run_in_a_process(tmp_path, tmp_path / "cache")[0] for _ in range(2)]
+    assert said == [[15.0, 0], [15.0, 1]]

@@ -12,10 +12,10 @@ import hashlib
 import os
 import sys
 import threading
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from functools import cache
-from types import CellType, FunctionType, ModuleType
+from types import CellType, FunctionType
 from typing import Any
 
 import numpy as np
@@ -23,14 +23,13 @@ import numpy as np
 from grazing.kernel.content import (
     COMPILED,
     Known,
-    behind,
+    Seen,
     below,
     compiled_as,
     digest,
     enclosed,
+    frozen,
     is_kernel,
-    is_library,
-    looks_up,
     named,
 )
 from grazing.kernel.disk import cache_folder as cache_folder
@@ -234,8 +233,6 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     if numba.config.DISABLE_JIT:
         raise InputError("numba is told by a file .numba_config.yaml not to compile; set NUMBA_DISABLE_JIT=1 instead")
     content = digest(function, known)
-    if looks_up(function):
-        raise UserCodeError(f"{function.__name__} names a module and getattr; write what it takes behind a dot")
     resolved = _resolved(function, lambda callee: _inner_jit(callee, arithmetic, known))
     # Machine code from the disk brings its callees along, and the linker knows them by name only: two different
     # kernels must never share a name, whatever process compiled them.
@@ -254,8 +251,6 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
         link_carefully()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
-    if role != "entry":
-        dispatcher.compile = _knowing(function, dispatcher)
     for each, said in known.items():
         compiled_as.setdefault(each, said)
     if role != "part":
@@ -283,34 +278,6 @@ def _inner_jit(function: FunctionType, arithmetic: str, known: Known) -> Any:
     return _inner[key]
 
 
-def _knowing(function: FunctionType, dispatcher: Any) -> Callable[[Any], Any]:
-    """Return what compiles a kernel that another one calls, and refuses what neither of their hashes holds.
-
-    What stands behind the dot of a module is compiled where the dot is, and hashed where the module has its name: these
-    must be in one function.
-    """
-    from numba import types
-
-    compile = dispatcher.compile
-
-    def has_module(kind: Any) -> bool:
-        if isinstance(kind, types.Module):
-            return not (isinstance(kind.pymod, Seen) or is_library(kind.pymod))  # what these have is known
-        inner = [kind.yield_type] if isinstance(kind, types.Generator) else getattr(kind, "types", ())
-        return any(map(has_module, inner))
-
-    def checked(sig: Any) -> Any:
-        args = tuple(getattr(sig, "args", sig))
-        if any(map(has_module, args)):
-            raise UserCodeError(f"{function.__name__} is given a module; give it the numbers that it takes from there")
-        made = compile(sig)
-        if has_module(dispatcher.overloads[args].signature.return_type):
-            raise UserCodeError(f"{function.__name__} returns a module; return the numbers that are taken from there")
-        return made
-
-    return checked
-
-
 def _units(function: FunctionType) -> list[FunctionType]:
     """Return the units that a kernel's code may call: those on the way down to other units."""
     found: dict[FunctionType, bool] = {}
@@ -323,43 +290,37 @@ def _units(function: FunctionType) -> list[FunctionType]:
     return [each for each, unit in found.items() if unit]
 
 
-class Seen(ModuleType):
-    """A record of whole numbers, as the compiler sees it."""
-
-
-def seen(value: Any, names: Collection[str] = ()) -> Any:
+def whole(value: Any) -> Any:
     """Return a value as the compiler is to see it.
 
     A record of whole numbers becomes a module: what stands behind the dot of a module is a constant, as if it had a
     name of its own, while that of a tuple is taken out of all of it at each place.
     """
-    if not hasattr(value, "_asdict") or not all(type(item) is int for item in value):
-        return kept(value, names)
-    module = Seen(f"{type(value).__name__} {value._asdict()}")  # code that is given it is called by that
+    if not (isinstance(value, tuple) and hasattr(value, "_asdict")) or not all(type(item) is int for item in value):
+        return value
+    module = Seen(type(value).__name__)
     vars(module).update(value._asdict())
     return module
 
 
-def kept(value: Any, names: Collection[str] = (), above: tuple[ModuleType, ...] = ()) -> Any:
-    """Return a value whose arrays nobody else can change: of large ones, or with gaps, code has the place only.
+def kept(value: Any, met: dict[int, Seen] | None = None) -> Any:
+    """Return a value as nobody else can change it: of arrays that are large, or have gaps, code has the place only.
 
-    ``names`` are those that may stand behind the dot of a module; one that has arrays there becomes one of its own.
+    A module gets a name that says what is in it: code that is given it is called by that.
     """
+    met = {} if met is None else met
     if isinstance(value, np.ndarray):
         return np.array(value, order="A", subok=True)
     if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
-        items = [kept(item, names, above) for item in value]
+        items = [kept(item, met) for item in value]
         changed = any(new is not old for new, old in zip(items, value, strict=True))
         return getattr(type(value), "_make", tuple)(items) if changed else value
-    if not isinstance(value, ModuleType) or is_library(value) or value in above:
+    if not isinstance(value, Seen):
         return value
-    found = {name: getattr(value, name) for name in names if hasattr(value, name)}
-    copies = {name: kept(item, names, (*above, value)) for name, item in found.items()}
-    if all(copies[name] is item for name, item in found.items()):
-        return value
-    copy = ModuleType(value.__name__)
-    vars(copy).update(copies)
-    return copy
+    if id(value) not in met:
+        met[id(value)] = module = type(value)(value.__name__, digest(value)[:16])
+        vars(module).update({key: kept(item, met) for key, item in vars(value).items()})
+    return met[id(value)]
 
 
 class Bits:
@@ -393,18 +354,18 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
     names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
-    dots = {part for each in behind(function).values() for name in each for part in name.split(".")}
+    seen = {key: whole(value) if key.isidentifier() else value for key, value in frozen(function).items()}
 
-    def code(value: Any) -> Any:
+    def code(key: str, value: Any) -> Any:
         if not isinstance(value, FunctionType):
-            return kept(value, dots)
+            return kept(seen[key])
         return replace(value) if is_kernel(value) else forms().get(value, value)
 
-    names |= {name: code(value) if callable(value) else seen(value, dots) for name, value in named(function).items()}
-    cells = tuple(CellType(code(item)) for item in enclosed(function))
-    defaults = apart_from(kept(function.__defaults__, dots))
-    copy = FunctionType(function.__code__, names, function.__name__, defaults, cells)
-    copy.__kwdefaults__ = {key: apart_from(kept(value, dots)) for key, value in (function.__kwdefaults__ or {}).items()}
+    names |= {name: code(name, value) for name, value in named(function).items()}
+    cells = [CellType(code(f"{i}", item)) for i, item in enumerate(enclosed(function))]
+    given = apart_from(tuple(kept(seen[f"{i}"]) for i, _ in enumerate(function.__defaults__ or (), len(cells))))
+    copy = FunctionType(function.__code__, names, function.__name__, given or None, tuple(cells))
+    copy.__kwdefaults__ = {key: apart_from(kept(seen[f"{key}="])) for key in function.__kwdefaults__ or {}}
     copy.original = function  # type: ignore[attr-defined]  # not __wrapped__: its defaults would be taken
     return copy
 

@@ -6,6 +6,7 @@ import dis
 import hashlib
 import inspect
 import math
+import sys
 from collections.abc import Callable
 from functools import cache, lru_cache
 from pathlib import Path
@@ -24,7 +25,7 @@ from uuid import uuid4
 import numpy as np
 
 from grazing.kernel.wide import forms
-from grazing.outcome import InputError
+from grazing.outcome import InputError, UserCodeError
 
 #: The functions of this module have a compiled form of their own always, those that are wide where it is taken.
 PRIMITIVES = "grazing.kernel.primitives"
@@ -36,10 +37,7 @@ COMPILED = "grazing.kernel"
 LIBRARIES = {"math", "cmath", "numpy", "numba"}
 
 #: What a program can set in a library, and the compiler freezes.
-VALUES = (int, float, complex, np.generic, np.ndarray, str, bytes, tuple)
-
-#: What takes from behind a dot by a text.
-LOOKS = {"getattr", "hasattr"}
+VALUES = (int, float, complex, np.generic, np.ndarray, str, bytes, tuple, ModuleType)
 
 #: Plain numbers and texts; a kind of one's own may show itself otherwise.
 SHOWN = (bool, int, complex, str, bytes)
@@ -69,7 +67,7 @@ MADE = {
 _unknown: dict[int, tuple[str, Any]] = {}
 
 
-def digest(function: Callable[..., Any] | tuple[Any, ...], known: Known | None = None) -> str:
+def digest(function: Callable[..., Any] | ModuleType | tuple[Any, ...], known: Known | None = None) -> str:
     """Hash a kernel: its bytecode, its constants and, recursively, all that it names.
 
     Parameters
@@ -153,49 +151,81 @@ def attributes(code: CodeType) -> frozenset[str]:
     return frozenset(own.union(*(attributes(const) for const in code.co_consts if isinstance(const, CodeType))))
 
 
-def frozen(function: FunctionType) -> dict[str, Any]:
-    """Return all values that stand in a function by a name, a place in its closure, or as a default."""
-    found = {f"{i}": value for i, value in enumerate((*enclosed(function), *(function.__defaults__ or ())))}
-    return named(function) | found | {f"{key}=": value for key, value in (function.__kwdefaults__ or {}).items()}
+class Unseen(UserCodeError, AttributeError):
+    """What a function takes from a module that has its name in another one: it would be in no hash."""
 
 
-def behind(function: FunctionType) -> dict[str, dict[str, Any]]:
-    """Return what a function takes from behind the dots of the modules that are frozen in it, by where these stand.
+class Seen(ModuleType):
+    """A module as one function sees it: with what that function names behind dots alone, which is what is hashed.
 
-    The compiler freezes it as it freezes what has a name of its own.
+    Whoever is given it, by whatever way, finds nothing else there. It equals those that say the same of themselves.
     """
-    modules = {key: value for key, value in frozen(function).items() if isinstance(value, ModuleType)}
-    return {key: dotted(value, attributes(function.__code__)) for key, value in modules.items()}
+
+    __slots__ = ("__holds__",)
+
+    def __init__(self, name: str, holds: str = "") -> None:
+        super().__init__(name)
+        self.__holds__ = holds  # a hash, or nothing for as long as nobody compiles it
+
+    def __repr__(self) -> str:
+        return f"{self.__name__} {self.__holds__}".strip()
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and repr(self) == repr(other)
+
+    def __hash__(self) -> int:
+        return hash(repr(self))
+
+    def __reduce__(self) -> Any:
+        return type(self), (self.__name__, self.__holds__), vars(self)
+
+    def __getattr__(self, name: str) -> Any:
+        said = self.__name__
+        raise Unseen(f"{said} has no {name}, or none that is taken where {said} is named; take it there")
+
+
+class SeenLibrary(Seen):
+    """One of those whose names say what stands behind their dots, but for what a program has set there."""
 
 
 def is_library(module: ModuleType) -> bool:
     """Say whether a module's name says what stands behind its dots."""
-    return module.__name__.partition(".")[0] in LIBRARIES
+    name = module.__name__
+    return name.partition(".")[0] in LIBRARIES and sys.modules.get(name) is module
 
 
-def looks_up(function: FunctionType) -> bool:
-    """Say whether a function names a module that is no library, and what takes from behind a dot by a text."""
-    values = list(frozen(function).values())
-    named = bool(LOOKS & global_names(function.__code__)) or any(
-        value is getattr or value is hasattr for value in values
-    )
-    return named and any(isinstance(value, ModuleType) and not is_library(value) for value in values)
+def is_of_library(kind: type) -> bool:
+    """Say whether a class stands in a library by its name."""
+    module = sys.modules.get(kind.__module__)
+    return module is not None and is_library(module) and vars(module).get(kind.__name__) is kind
 
 
-def dotted(value: Any, names: frozenset[str], above: tuple[Any, ...] = ()) -> dict[str, Any]:
-    """Return what stands behind the dots of a module by these names; nothing for any other value."""
-    if not isinstance(value, ModuleType) or value in above:
-        return {}
-    found: dict[str, Any] = {}
-    library = is_library(value)
-    for name in sorted(names):
-        item = vars(value).get(name, dotted) if library else getattr(value, name, dotted)
-        if library and isinstance(item, ModuleType):
-            found |= {f"{name}.{key}": each for key, each in dotted(item, names, (*above, value)).items()}
-        elif item is not dotted and (not library or isinstance(item, VALUES)):  # a program can set others there
-            found[name] = item
-            found |= {f"{name}.{key}": each for key, each in dotted(item, names, (*above, value)).items()}
-    return found
+def seen(value: Any, names: frozenset[str], met: dict[int, Seen] | None = None) -> Any:
+    """Return a value as a function sees it that has these names behind dots."""
+    met = {} if met is None else met
+    if isinstance(value, tuple) and (type(value) is tuple or hasattr(value, "_make")):
+        items = [seen(item, names, met) for item in value]
+        changed = any(new is not old for new, old in zip(items, value, strict=True))
+        return getattr(type(value), "_make", tuple)(items) if changed else value
+    if not isinstance(value, ModuleType):
+        return value
+    if id(value) not in met:
+        kind = SeenLibrary if is_library(value) else Seen
+        met[id(value)] = found = kind(value.__name__)
+        taken = {name: getattr(value, name) for name in names - MADE if hasattr(value, name)}
+        vars(found).update({name: seen(item, names, met) for name, item in taken.items()})
+    return met[id(value)]
+
+
+def frozen(function: FunctionType) -> dict[str, Any]:
+    """Return all values that stand in a function by a name, a place in its closure, or as a default, as it sees them.
+
+    The compiler freezes them.
+    """
+    found = {f"{i}": value for i, value in enumerate((*enclosed(function), *(function.__defaults__ or ())))}
+    found |= {f"{key}=": value for key, value in sorted((function.__kwdefaults__ or {}).items())}
+    names = attributes(function.__code__)
+    return {key: seen(value, names) for key, value in (named(function) | found).items()}
 
 
 def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
@@ -214,14 +244,19 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         return (type(value).__name__, [content(part, above, known) for part in parts])
     if isinstance(value, (MemberDescriptorType, GetSetDescriptorType)):
         return ("slot", value.__name__)
-    if type(value) is type and value.__module__.partition(".")[0] in LIBRARIES:
-        return (value.__module__, value.__qualname__)
+    if type(value) is type and is_of_library(value):
+        return (value.__module__, value.__name__)
     if type(value) is type:
         stated = value.__flags__ & STATED and value not in above
         items = getattr(value, "_field_defaults", vars(value)) if stated else {}
         own = [(key, content(item, (*above, value), known)) for key, item in items.items() if key not in MADE]
         bases = [content(base, (*above, value), known) for base in value.__bases__] if stated else []
         return (value.__name__, getattr(value, "_fields", ()), bases, own)
+    if isinstance(value, Seen):
+        taken = {} if any(each is value for each in above) else vars(value)
+        if isinstance(value, SeenLibrary):  # a program can set other things there
+            taken = {key: item if isinstance(item, VALUES) else key for key, item in taken.items()}
+        return ("module", [(key, content(taken[key], (*above, value), known)) for key in sorted(taken)])
     if isinstance(value, ModuleType):
         return ("module", value.__name__)
     if isinstance(value, BuiltinFunctionType) and isinstance(value.__self__, (ModuleType, NoneType)):
@@ -252,20 +287,10 @@ def _function(value: FunctionType, above: tuple[Any, ...], known: Known) -> Any:
     if value in forms():
         return ("primitive", value.__name__, text(value.__module__), text("grazing.kernel.wide"))
 
-    taken = behind(value)
-
-    def of(item: Any, key: str) -> Any:
-        said, more = content(item, above, known), taken.get(key)
-        return (said, [(name, content(each, above, known)) for name, each in more.items()]) if more else said
-
-    cells, defaults = enclosed(value), value.__defaults__ or ()
     return (
         [mark for mark in ("inlined", "unit") if getattr(value, mark, False)],
         coded(value.__code__),
-        [(name, of(item, name)) for name, item in named(value).items()],
-        [of(item, f"{i}") for i, item in enumerate(cells)],
-        [of(default, f"{i}") for i, default in enumerate(defaults, len(cells))],
-        sorted((name, of(default, f"{name}=")) for name, default in (value.__kwdefaults__ or {}).items()),
+        [(key, content(item, above, known)) for key, item in frozen(value).items()],
     )
 
 
