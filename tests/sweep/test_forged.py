@@ -382,3 +382,24 @@ def test_what_basins_would_take_is_seen_in_their_numbers():
                              "reached_point": (("x", "coordinate"), points)})  # fmt: skip
         told.append(plan.finish_work(result))
     assert told[1] > told[0] + 1000.0
+
+
+@pytest.mark.parametrize("key", ["mean/c/0", "mu/c/0"])
+def test_a_length_that_a_manifest_claims_is_not_read(store, key):
+    """A sparse file of some GB, announced by a record or the template, was read into memory and hashed."""
+    long = 2**31
+    template = manifest.read_template(store)
+    prints = dict(template.coordinates)
+    if key in prints:
+        prints[key] = (long, "0" * 64)
+    bound(store, template.metadata, prints)
+    if key not in prints:
+        file = store / manifest.CHUNKS / "0"
+        body = json.loads(file.read_bytes().split(b"\n")[0])
+        body["files"][key] = [long, "0" * 64]
+        file.write_bytes(manifest.lines(body))
+        (store / manifest.SEAL).unlink()
+    os.truncate(store / key, long)
+    with pytest.raises(GrazingError, match="more than it can have"):
+        gz.load(store)
+    assert "more than it can have" in str(sweep.verify(store, plan=plan(7)))

@@ -23,3 +23,11 @@ def test_times_of_a_killed_process_count_as_far_as_they_go(tmp_path):
     (times / "elsewhere-1").write_bytes(b"0 1.5\n1 2.0\n2")
     (times / "elsewhere-2").write_bytes(b"\xff\n 7\n")
     assert round(sweep.status(tmp_path / "a.zarr").seconds - before, 9) == 3.5
+
+
+def test_only_times_are_added(tmp_path):
+    """A line with `nan` or `1e999` made `sweep status --json` no JSON."""
+    sweep.run(plan(7), tmp_path / "a.zarr", chunk=2)
+    (file,) = (tmp_path / "a.zarr" / ".grazing" / "times").iterdir()
+    file.write_text("0 nan\n1 inf\n2 1e999\n3 -5\n0 1e308\n1 2.5\n2 x\n")
+    assert sweep.status(tmp_path / "a.zarr").seconds == 2.5

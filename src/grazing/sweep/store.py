@@ -208,7 +208,7 @@ class Store:
         """Return the bytes of a file, if they are those that were written there."""
         wanted = None if prints is None else prints[key]
         try:
-            content = read_file(f"{self.path}/{key}", most if wanted is None else wanted[0])
+            content = read_file(f"{self.path}/{key}", most if wanted is None else min(most, wanted[0]))
         except (FileNotFoundError, NotADirectoryError) as error:
             raise ValueError(f"{key}: its file is missing") from error
         except (OSError, ValueError) as error:

@@ -28,6 +28,8 @@ from grazing.sweep.store import ASIDE, Arrays, Store
 
 #: The folder of the times, beside locks and history.
 TIMES = "times"
+#: Seconds beyond which, or below zero, a line there is not the time of a chunk.
+MOST_SECONDS = 1e9
 #: Plans that a worker keeps.
 KEPT = 4
 _plans: dict[tuple[str, str, str], tuple[Plan, Store]] = {}
@@ -71,7 +73,8 @@ def time_of_work(store: Store) -> float:
                 for line in read_file(file).decode("ascii", "replace").splitlines():
                     number, _, seconds = line.partition(" ")
                     with suppress(ValueError):  # the last line of a killed process
-                        total += float(seconds) if number else 0.0
+                        if number and 0.0 <= float(seconds) < MOST_SECONDS:
+                            total += float(seconds)
     return total
 
 
