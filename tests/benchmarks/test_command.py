@@ -1,5 +1,7 @@
 """The command: with every peer missing, with bad input, and what it writes."""
 
+import contextlib
+import io
 import json
 import re
 import sys
@@ -15,18 +17,16 @@ PEERS = ("heyoka", "diffrax", "CVODE")
 NO_PEER = "not installed: pip install 'grazing[bench]'"
 
 
-@pytest.fixture
-def alone(monkeypatch):
-    for name in ("heyoka", "diffrax", "jax", "sksundae", "sksundae.cvode"):
-        monkeypatch.setitem(sys.modules, name, None)
-
-
-@pytest.fixture
-def content(alone, tmp_path, capsys):
-    file = tmp_path / "rows.json"
+@pytest.fixture(scope="module")
+def content(tmp_path_factory):
+    """Return what one run without peers writes and prints: all tests of it read the same."""
+    file, out = tmp_path_factory.mktemp("benchmarks") / "rows.json", io.StringIO()
     only = [token for name in (*PEERS, "square roots") for token in ("--only", name)]
-    assert main(["--quick", "--rounds", "2", "--json", str(file), *only]) == 0
-    return json.loads(file.read_text()), capsys.readouterr().out
+    with pytest.MonkeyPatch.context() as patch, contextlib.redirect_stdout(out):
+        for name in ("heyoka", "diffrax", "jax", "sksundae", "sksundae.cvode"):
+            patch.setitem(sys.modules, name, None)
+        assert main(["--quick", "--rounds", "2", "--json", str(file), *only]) == 0
+    return json.loads(file.read_text()), out.getvalue()
 
 
 def test_a_missing_peer_is_a_row_that_says_so(content):
