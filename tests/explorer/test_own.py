@@ -530,6 +530,12 @@ def test_what_is_no_call_is_refused_in_words(caller, told):
             calls(body)
 
 
+def test_a_long_head_of_a_call_is_not_read():
+    """64 MiB of empty lists took 1.7 GB."""
+    with pytest.raises(InputError, match="its head has 300001 bytes"):
+        Calls([], "nobody")(struct.pack("<I", 300_001) + b"[" + b"[]," * 10**5)
+
+
 def test_numbers_that_would_lead_out_of_arrays_are_refused(caller, told, model):
     row = rows_of(told, model, "c", [0.5])
     lanes, state = np.zeros((1, 2, 1)), np.zeros(8)

@@ -338,6 +338,40 @@ def test_many_who_say_nothing_leave_room_for_the_page(running):
         each.close()
 
 
+@pytest.mark.parametrize("size, most", [(1, 64), (2**25, 8)])
+def test_calls_that_wait_for_a_processor_hold_no_more_than_there_is_room_for(size, most):
+    """Whoever asks without an end is told that there is no room, the page is sent, and the room is free again."""
+    slow = threading.Event()
+
+    def answered(call):
+        slow.wait(30)
+        return call[:1]
+
+    with server(calls=answered) as ours:
+        threading.Thread(target=ours.serve_forever, daemon=True).start()
+        head = "POST /calls/own HTTP/1.1\r\nHost: localhost\r\nContent-Type: application/octet-stream\r\n"
+        held = [socket.create_connection(ours.server_address[:2], timeout=10) for _ in range(most)]
+        for each in held:
+            each.sendall(f"{head}Content-Length: {size}\r\n\r\n".encode() + b"x")
+        for _ in range(100):
+            if ours._room == 0:
+                break
+            time.sleep(0.1)
+        connection = http.client.HTTPConnection(*ours.server_address[:2], timeout=10)
+        connection.request("POST", "/calls/own", b"x", {"Content-Type": "application/octet-stream"})
+        assert connection.getresponse().status == 503
+        assert asked(ours, "/page/")[0] == 200
+        slow.set()
+        for each in held:
+            each.shutdown(socket.SHUT_WR)
+            assert each.recv(12) == b"HTTP/1.1 200"
+            each.close()
+        connection.request("POST", "/calls/own", b"x", {"Content-Type": "application/octet-stream"})
+        assert connection.getresponse().read() == b"x"
+        connection.close()
+        ours.shutdown()
+
+
 @pytest.mark.parametrize(
     "how", [b"Content-Length: %d\r\n\r\n%s", b"Transfer-Encoding: chunked\r\n\r\n%x\r\n%s\r\n0\r\n\r\n"]
 )

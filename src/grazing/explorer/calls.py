@@ -21,8 +21,8 @@ from grazing.outcome import InputError
 
 #: Where the page sends calls, seen from itself.
 CALLS = "/calls/own"
-#: Bytes of a call, and of all its arrays: a picture of the page has a few millions.
-LARGEST_CALL, LARGEST_ARRAYS = 2**26, 2**28
+#: Bytes of a call, of all its arrays, and of its head: a picture of the page has a few millions, a head some hundreds.
+LARGEST_CALL, LARGEST_ARRAYS, LARGEST_HEAD = 2**26, 2**28, 2**16
 INFINITY = float("inf")
 
 
@@ -53,6 +53,8 @@ class Calls:
         """
         try:
             (size,) = struct.unpack_from("<I", body)
+            if size > LARGEST_HEAD:  # lists of three bytes take twenty times as many when they are read
+                raise ValueError(f"its head has {size} bytes")
             head = json.loads(body[4 : 4 + size])
             entry, numbers, given = self.entries[head["name"]], head["numbers"], [*head["given"]]
             values = _values(entry, numbers, given, memoryview(body)[4 + size :])

@@ -33,6 +33,8 @@ HOST = "127.0.0.1"
 FOLDER = Path(__file__).parent
 #: Connections at a time, and seconds for a request and its answer.
 MOST, PATIENCE = 64, 30.0
+#: Bytes of all calls at a time, from before they are read until they are answered; of a small one a share is taken.
+ROOM = 4 * LARGEST_CALL
 #: Bytes of a file that is looked at to see whose it is.
 LARGEST = 2**22
 #: Said by us and not by the machine: some name no type for modules, others a wrong one for scripts.
@@ -125,23 +127,34 @@ class Handler(BaseHTTPRequestHandler):
             refused = HTTPStatus.LENGTH_REQUIRED
         elif int(size) > LARGEST_CALL:
             refused = HTTPStatus.REQUEST_ENTITY_TOO_LARGE
+        room = 0 if refused else max(int(size), ROOM // MOST)
+        if not refused and not self.server.taken(room):
+            refused = HTTPStatus.SERVICE_UNAVAILABLE
         if refused is not None or calls is None:
             self.close_connection = True  # what follows is no request
             self.send_error(refused or HTTPStatus.NOT_IMPLEMENTED)
             return
-        body = self.rfile.read(int(size))
-        status, kind = HTTPStatus.OK, BYTES
         try:
-            with self.server.computing(self.connection):
+            self.compute(calls, int(size))
+        finally:
+            self.server.taken(-room)
+
+    def compute(self, calls: Answers, size: int) -> None:
+        """Read a call, and answer it on a processor that nobody else has until the answer is sent."""
+        body = self.rfile.read(size)
+        status, kind = HTTPStatus.OK, BYTES
+        with self.server.computing(self.connection):
+            try:
                 found = calls(body)
-        except (GrazingError, MemoryError) as error:
-            status, kind, found = HTTPStatus.BAD_REQUEST, "text/plain; charset=utf-8", str(error).encode()
-        self.send_response(status)
-        self.send_header("Content-Type", kind)
-        self.send_header("Content-Length", str(len(found)))
-        self.send_header("X-Content-Type-Options", "nosniff")
-        self.end_headers()
-        self.wfile.write(found)
+            except (GrazingError, MemoryError) as error:
+                status, kind, found = HTTPStatus.BAD_REQUEST, "text/plain; charset=utf-8", str(error).encode()
+            self.server.begun(self.connection)
+            self.send_response(status)
+            self.send_header("Content-Type", kind)
+            self.send_header("Content-Length", str(len(found)))
+            self.send_header("X-Content-Type-Options", "nosniff")
+            self.end_headers()
+            self.wfile.write(found)
 
     def answer(self, body: bool) -> None:
         """Send a file, the way to the page, or 404."""
@@ -204,7 +217,7 @@ class Server(ThreadingHTTPServer):
         self.files, self.calls = files(kernels), calls
         #: When each connection began with its request, the oldest first.
         self._since: dict[Any, float] = {}
-        self._one = Lock()
+        self._one, self._room = Lock(), ROOM
         self._free = BoundedSemaphore(os.cpu_count() or 1)
         super().__init__((HOST, port), Handler)
 
@@ -223,7 +236,13 @@ class Server(ThreadingHTTPServer):
             self._since.pop(connection, None)
         with self._free:
             yield
-        self.begun(connection)
+
+    def taken(self, room: int) -> bool:
+        """Take room for a call, or give it back; whether there was as much."""
+        with self._one:
+            enough = room <= self._room
+            self._room -= room if enough else 0
+        return enough
 
     def service_actions(self) -> None:
         """Close connections that take too long, however often they say a letter or read one."""
