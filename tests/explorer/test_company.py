@@ -123,7 +123,7 @@ def test_balls_part_where_orbits_are_chaotic(shown, address):
     apart = f"() => Math.abs({BALL}.company.twin.place[0] - {BALL}.place[0])"
     shown.until(f"{apart} > {0.3 * height}")  # it is seen
     shown.until(f"() => {BALL}.company.rate.turns >= 60")
-    shown.until("() => document.getElementById('rate').textContent.includes('The twin parted after')")
+    shown.until("() => document.getElementById('rate').textContent.includes('The twin parted within')")
     assert re.search(r"Near balls part: λ = 0\.\d+ a push, over the next \d+ pushes", shown.page.inner_text("#rate"))
 
 
@@ -138,7 +138,7 @@ def test_who_looks_for_some_ten_seconds_sees_balls_part_and_finds_it_there_later
     begun = logs[0][0]
     visible = next(turn for turn, log in logs if log > math.log(0.1))
     assert logs[0][1] < math.log(0.02) and visible - begun < 12 * 0.7 and visible - begun <= parted
-    assert "The twin parted after" in shown.page.inner_text("#rate")
+    assert "The twin parted within" in shown.page.inner_text("#rate")
     shown.page.click("#play")  # nobody puts it beside the ball again
     shown.until(f"() => {BALL}.turn > {logs[-1][0] + 6}")
     assert shown.page.evaluate(f"() => {BALL}.company.twin.parted") == parted

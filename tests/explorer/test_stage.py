@@ -186,6 +186,25 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown)
 
 
+@pytest.mark.parametrize("how", ["mouse", "keys"])
+def test_who_has_chosen_with_a_mouse_leaves_the_keys_to_the_page(shown, address, how):
+    """The menu kept P and S after an exercise was chosen; by keys one may go on in it."""
+    shown.open(f"{address}#version=2&view=ball&columns=60")
+    shown.page.dispatch_event("#preset", "pointerdown")
+    if how == "keys":
+        shown.page.focus("#preset")
+        shown.page.keyboard.press("Tab")
+        shown.page.keyboard.press("Shift+Tab")
+        shown.page.keyboard.press("ArrowDown")
+    shown.page.select_option("#preset", label="Chaos")
+    shown.until("() => explorer.state().omega === 6")
+    shown.page.keyboard.press("p")
+    assert presenting(shown) == (how == "mouse")
+    assert (shown.page.evaluate("() => document.activeElement.id") == "preset") == (how == "keys")
+    if how == "mouse":
+        shown.page.keyboard.press("p")
+
+
 @pytest.mark.parametrize("view", ["ball", "gap", "oscillator", "tour"])
 def test_a_narrow_screen_is_filled_too(opened, view):
     shown = opened(view, PHONE, has_touch=True, is_mobile=True)

@@ -95,7 +95,8 @@ export class Company {
   }
 
   #tell() {
-    this.told.textContent = this.twin ? `${this.rate.said()}${this.twin.parted ? ` The twin parted after ${Math.round(this.twin.parted)} pushes; Settle puts it beside the ball again.` : ""}` : "";
+    const parted = Math.ceil(this.twin?.parted ?? 0);
+    this.told.textContent = this.twin ? `${this.rate.said()}${parted ? ` The twin parted within ${parted === 1 ? "a push" : `${parted} pushes`}; Settle puts it beside the ball again.` : ""}` : "";
   }
 
   /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */

@@ -298,8 +298,13 @@ function build() {
   const table = /** @type {HTMLAnchorElement | null} */ (document.querySelector("nav a"));
   for (const [title, [ask, link]] of Object.entries(EXERCISES)) if (table || !link.startsWith("#table")) asked.append(new Option(title, `${link}&note=${encodeURIComponent(ask)}`));
   $("preset").append(asked);
+  // who has chosen with a mouse leaves the keys to the picture; who goes through the list by keys stays in it
+  let pointed = false;
+  $("preset").addEventListener("pointerdown", () => (pointed = true));
+  $("preset").addEventListener("keydown", () => (pointed = false));
   $("preset").addEventListener("change", () => {
     const { value } = $("preset");
+    if (pointed) $("preset").blur();
     if (value in PRESETS) present(PRESETS[value].state);
     else if (table && value.startsWith("#table")) location.href = table.href + value;
     else if (value) location.hash = value;
