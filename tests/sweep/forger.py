@@ -14,14 +14,18 @@ def compact(document):
 def forged(store, change):
     """Let ``change`` edit the metadata by file, the layout and the prints of coordinates; bind the store to that.
 
-    The configuration's hash becomes that of what it says, unless the hash was edited itself.
+    The configuration's hash, and what the store lists of its arrays, follow, unless they were edited themselves.
     """
     template = manifest.read_template(store)
     metadata = {file: json.loads(text) for file, text in template.metadata.items()}
     attrs = metadata["zarr.json"]["attributes"]
     layout, prints = json.loads(attrs["grazing_sweep"]), dict(template.coordinates)
-    fitting = attrs["grazing_config_sha256"]
+    fitting, root = attrs["grazing_config_sha256"], metadata["zarr.json"]
+    before = compact(root.get("consolidated_metadata"))
     change(metadata, layout, prints)
+    if before != "null" and before == compact(root.get("consolidated_metadata")):
+        arrays = {file.removesuffix("/zarr.json"): own for file, own in metadata.items() if file != "zarr.json"}
+        root["consolidated_metadata"]["metadata"] = arrays
     attrs["grazing_sweep"] = compact(layout)
     config = attrs.get("grazing_config")
     if isinstance(config, str) and attrs.get("grazing_config_sha256") == fitting:

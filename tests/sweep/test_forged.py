@@ -324,6 +324,32 @@ def coexisting(folder):
     return config, folder / "a.zarr"
 
 
+def listed(metadata):
+    return metadata["zarr.json"]["consolidated_metadata"]["metadata"]
+
+
+def other_units(metadata, _layout, _prints):
+    listed(metadata)["mean"]["attributes"]["units"] = "mm"
+
+
+def one_more_array(metadata, _layout, _prints):
+    listed(metadata)["more"] = listed(metadata)["mean"]
+
+
+def numbers_of_missing_cells(metadata, _layout, _prints):
+    for of_mean in (metadata["mean/zarr.json"], listed(metadata)["mean"]):
+        of_mean["fill_value"] = 7.0
+
+
+@pytest.mark.parametrize("forgery", [other_units, one_more_array, numbers_of_missing_cells])
+def test_what_other_tools_read_of_a_store_is_held_to_its_arrays(store, forgery):
+    """``xarray.open_zarr`` read other units, one more array, sevens where nothing was computed; ``verify`` agreed."""
+    forged(store, forgery)
+    for call in (gz.load, lambda path: sweep.verify(path, share=1, plan=plan(7))):
+        with pytest.raises(GrazingError, match=r"zarr\.json cannot be used"):
+            call(store)
+
+
 def test_lists_of_nothing_are_not_read(store):
     """JSON of 128 MB that holds nothing but lists takes 5 GB and half a minute, once for each file."""
     for file in ("zarr.json", "mean/zarr.json", manifest.TEMPLATE, manifest.SEAL, f"{manifest.CHUNKS}/0"):
