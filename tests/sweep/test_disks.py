@@ -130,6 +130,25 @@ def test_folders_that_cannot_be_written():
         assert sweep.run(plan(), store).complete
 
 
+def test_a_manifest_that_cannot_be_read_is_a_sentence():
+    """Its owner alone may enter it: to repair the store ended in a traceback."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        folder.chmod(0o755)
+        store = folder / "a.zarr"
+        sweep.run(plan(), store, chunk=2)
+        (store / "manifest" / "template").write_bytes(b"rubbish")
+        assert sweep.verify(store, plan=plan(), repair=True).mended
+        for part in store.rglob("*"):
+            part.chmod(0o777 if part.is_dir() else 0o666)
+        (store / "manifest").chmod(0o000)
+        try:
+            with as_nobody(), pytest.raises(gz.InputError, match=r"a\.zarr cannot be written: Permission denied"):
+                sweep.verify(store, plan=plan(), repair=True)
+        finally:
+            (store / "manifest").chmod(0o755)
+
+
 def test_a_store_that_goes_away_is_not_made_again(tmp_path):
     store = tmp_path / "a.zarr"
     some, compute = plan(9), plan(9).compute

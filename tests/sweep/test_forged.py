@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import time
+from contextlib import suppress
 
 import numpy as np
 import pytest
@@ -17,7 +18,7 @@ from grazing.config import plan_of
 from grazing.config.build import RECIPE
 from grazing.outcome import GrazingError
 from grazing.sweep import manifest
-from tests.sweep.forger import bound, forged
+from tests.sweep.forger import bound, compact, forged
 from tests.sweep.plans import plan
 
 
@@ -85,49 +86,79 @@ def test_no_name_leads_out_of_the_store(store, name, what):
     assert attacked(store)
 
 
-@pytest.mark.parametrize(
-    "value", [None, [], {}, "x", 1e999, -1, 1.5, [[]], [1e999], [None], {"a": 1}, 10**30, [10**30], True]
-)
-def test_metadata_of_any_kind_are_a_sentence(store, value, tmp_path):
-    """Each entry in turn, at any depth, becomes something else, in all that a store says of itself."""
+VALUES = [None, [], {}, "x", 1e999, -1, 1.5, [[]], [1e999], [None], {"a": 1}, 10**30, [10**30], True, 0, "", ["x"] * 3]
 
-    def places(node, path=()):
-        for key, inner in list(node.items() if isinstance(node, dict) else enumerate(node)):
-            yield (*path, key)
-            if isinstance(inner, (dict, list)):
-                yield from places(inner, (*path, key))
 
-    def put(node, path):
-        for key in path[:-1]:
-            node = node[key]
-        node[path[-1]] = value
+def entries(node, path=()):
+    """Every entry of JSON, at any depth; of what is listed for other tools only that it is."""
+    for key, inner in list(node.items() if isinstance(node, dict) else enumerate(node)):
+        yield (*path, key)
+        if isinstance(inner, (dict, list)) and path != ("consolidated_metadata", "metadata"):
+            yield from entries(inner, (*path, key))
 
-    template = manifest.read_template(store)
-    texts = {file: text for file, text in template.metadata.items() if file in ("zarr.json", "mean/zarr.json")}
-    documents = {file: json.loads(text) for file, text in texts.items()}
-    documents["zarr.json"].pop("consolidated_metadata")
-    documents["layout"] = json.loads(documents["zarr.json"]["attributes"]["grazing_sweep"])
-    dice = np.random.default_rng(len(repr(value)))
-    every = [(file, path) for file, document in documents.items() for path in places(document)]
-    for i in dice.choice(len(every), 12, replace=False):
-        file, path = every[i]
 
-        def change(metadata, layout, _prints, file=file, path=path):
-            put(layout if file == "layout" else metadata[file], path)
+def opened(metadata, layout, prints):
+    """All that a store says of itself, by what says it; JSON within texts as what it says."""
+    texts = metadata["zarr.json"]["attributes"].items()
+    prints.update({file: list(both) for file, both in prints.items()})
+    inner = {key: json.loads(text) for key, text in texts if text[:1] in ("{", "[") and key != "grazing_sweep"}
+    return {**metadata, "layout": layout, "prints": prints, **inner}
 
-        try:
+
+def said(call):
+    """What a call returns, None for a sentence."""
+    try:
+        return call()
+    except GrazingError:
+        return None
+
+
+def raw(store):
+    """What other tools read, None if they read nothing."""
+    try:
+        with xr.open_zarr(store, decode_cf=False, chunks=None) as found:
+            return found.load().drop_attrs(deep=False)
+    except Exception:  # whatever they raise
+        return None
+
+
+@pytest.mark.parametrize("turn", [0, *(pytest.param(turn, marks=pytest.mark.long) for turn in range(1, len(VALUES)))])
+def test_whatever_an_entry_says_is_a_sentence_or_found_or_nothing_new(tmp_path, turn):
+    """Each entry of all that a store says of itself becomes each value, and every hash fits."""
+    store, some = tmp_path / "a.zarr", plan(2)
+    sweep.run(some, store, chunk=1)
+    honest, plain, template = gz.load(store), raw(store), manifest.read_template(store)
+    every = []
+
+    def look(metadata, layout, prints):
+        every.extend((what, path) for what, node in opened(metadata, layout, prints).items() for path in entries(node))
+
+    forged(store, look)
+    for i, (what, path) in enumerate(every):
+        value = VALUES[(i + turn) % len(VALUES)]
+
+        def change(metadata, layout, prints, what=what, path=path, value=value):
+            documents = opened(metadata, layout, prints)
+            node = documents[what]
+            for key in path[:-1]:
+                node = node[key]
+            node[path[-1]] = value
+            if what not in (*metadata, "layout", "prints"):
+                metadata["zarr.json"]["attributes"][what] = compact(documents[what])
+
+        with suppress(AttributeError, TypeError):  # nothing is left into which the rest could be put
             forged(store, change)
-        except (AttributeError, TypeError):  # there is no attribute left to put the layout into
-            continue
-        for call in list(calls(store))[:4]:
-            try:
-                call()
-            except GrazingError:
-                pass
+        found = said(lambda: gz.load(store))
+        said(lambda: sweep.status(store))
+        seen = said(lambda: sweep.verify(store, share=1, plan=some))
+        if seen is not None and seen.ok:
+            assert found is not None and found.identical(honest), (what, path)
+            others = raw(store)
+            assert others is None or others.identical(plain), (what, path)
         for key, text in template.metadata.items():
             (store / key).write_text(text)
         bound(store, template.metadata, template.coordinates)
-    gz.load(store)
+    assert len(every) > 200 and gz.load(store).identical(honest)
 
 
 def test_records_of_any_kind_are_a_sentence(store):
@@ -322,6 +353,32 @@ def coexisting(folder):
     config = {"study": "coexistence", **gap, "vary": {"mu": "-0.1:0.3:4"}, "settings": {"starts": 5}}
     sweep.run(plan_of(config), folder / "a.zarr")
     return config, folder / "a.zarr"
+
+
+def listed(metadata):
+    return metadata["zarr.json"]["consolidated_metadata"]["metadata"]
+
+
+def other_units(metadata, _layout, _prints):
+    listed(metadata)["mean"]["attributes"]["units"] = "mm"
+
+
+def one_more_array(metadata, _layout, _prints):
+    listed(metadata)["more"] = listed(metadata)["mean"]
+
+
+def numbers_of_missing_cells(metadata, _layout, _prints):
+    for of_mean in (metadata["mean/zarr.json"], listed(metadata)["mean"]):
+        of_mean["fill_value"] = 7.0
+
+
+@pytest.mark.parametrize("forgery", [other_units, one_more_array, numbers_of_missing_cells])
+def test_what_other_tools_read_of_a_store_is_held_to_its_arrays(store, forgery):
+    """``xarray.open_zarr`` read other units, one more array, sevens where nothing was computed; ``verify`` agreed."""
+    forged(store, forgery)
+    for call in (gz.load, lambda path: sweep.verify(path, share=1, plan=plan(7))):
+        with pytest.raises(GrazingError, match=r"zarr\.json cannot be used"):
+            call(store)
 
 
 def test_lists_of_nothing_are_not_read(store):

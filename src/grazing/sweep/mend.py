@@ -128,7 +128,8 @@ def _format(path: Path) -> int | None:
 
 def _template_again(path: Path, plan: Plan | None, error: Exception) -> bytes:
     """Make the manifest's template again: it is the right one if the old one, or a record, names its identity."""
-    named = identities_named(path)
+    with said(path):
+        named = identities_named(path)
     content = None
     for content in _candidates(path, plan):
         if template_of(content).identity in named:

@@ -75,7 +75,10 @@ def open_existing(path: Path, fsync: bool = False) -> Store:
             attrs[part].encode()
         for part in ("grazing_config", "grazing_versions", *({RECIPE, MADE_BY} & attrs.keys())):
             dict(json.loads(attrs[part]))
-        listed = record["consolidated_metadata"]["metadata"] if layout.format == UNBOUND else {}
+        names = [*layout.variables, *layout.coords, DONE]
+        listed = dict(record["consolidated_metadata"]["metadata"])
+        if listed.keys() != {*names}:
+            raise ValueError("it lists other arrays")
     except InputError as error:
         raise InputError(f"{path} cannot be opened: {error}") from None
     except MISFIT as error:
@@ -84,14 +87,14 @@ def open_existing(path: Path, fsync: bool = False) -> Store:
         raise damaged(path, "zarr.json", "the configuration does not fit its hash")
     template = None if layout.format == UNBOUND else _template(path, layout, raw)
     arrays = {}
-    for name in [*layout.variables, *layout.coords, DONE]:
+    for name in names:
         file = f"{name}/zarr.json"
         own, raw_own = _json(path, file)
         try:
-            if template is None and {**own, "attributes": {}} != {**listed[name], "attributes": {}}:
-                raise ValueError("it differs from what zarr.json of the store says")
             if template is not None and raw_own != template.metadata[file].encode():
                 raise ValueError("it is not what the manifest says")
+            if own != listed[name]:  # which other tools read in its place
+                raise ValueError("it differs from what zarr.json of the store says")
             arrays[name] = _spec(own, name)
             _refuse_misfit(arrays[name], name, layout)
         except MISFIT as error:
@@ -151,6 +154,8 @@ def _spec(own: dict[str, Any], name: str) -> Spec:
     attrs, kind = own.get("attributes", {}), str(data_type)
     if not isinstance(attrs, dict):
         raise ValueError("it has no attributes")
+    if own["fill_value"] != ("NaN" if data_type.kind == "f" else [0, 0] if data_type.kind == "c" else 0):
+        raise ValueError("it has other numbers where nothing is computed")
     if not len(shape) == len(chunk) == len(dims) or min(shape, default=0) < 0 or min(chunk, default=1) < 1:
         raise ValueError("its shape is none")
     return Spec(dims, shape, chunk, "text" if TEXT in attrs else kind, attrs)
