@@ -319,6 +319,14 @@ def test_a_module_is_not_asked_for_what_stands_behind_no_dot_or_is_not_there(rec
     assert not [one for one in recwarn if "np.str" in str(one.message)]
 
 
+@pytest.mark.parametrize("both", [(math.floor, math.ceil), (float, int), (np.float64, np.int64), (np.floor, np.ceil)])
+def test_what_is_a_library_own_is_another_by_another_name(monkeypatch, both):
+    """The hash held the name that a program had given it, alone."""
+    for one in both:
+        monkeypatch.setattr(math, "mine", one, raising=False)
+        assert compiled(lambda x: math.mine(x))(1.5) == one(1.5)
+
+
 @pytest.mark.skipif(not hasattr(os, "fork"), reason="two processes are forked, to be alike")
 def test_a_function_that_a_kernel_is_given_is_another_in_every_process(folder):
     """Where addresses are not random, that of another process was taken for it."""

@@ -250,16 +250,18 @@ def frozen(function: FunctionType) -> dict[str, Any]:
 
 
 def listed(module: Seen) -> list[tuple[str, Any]]:
-    """Return what is hashed of a module, by name: of what is a library's own the name alone."""
+    """Return what is hashed of a module, by name: of what a library has made itself the names alone."""
     own = isinstance(module, SeenLibrary)
-    return [(key, key if own and is_own(item) else item) for key, item in sorted(vars(module).items())]
+    return [(key, (own and names_of(item)) or item) for key, item in sorted(vars(module).items())]
 
 
-def is_own(value: Any) -> bool:
-    """Say whether a library has made a value itself: a program can set others there."""
-    maker = getattr(value, "__module__", None)
-    maker = maker if isinstance(maker, str) else type(value).__module__
-    return not isinstance(value, VALUES) and maker.partition(".")[0] in LIBRARIES | {"builtins"}
+def names_of(value: Any) -> tuple[str, ...]:
+    """Return the names of what a library has made itself; none of anything else, which a program can set there."""
+    said = [getattr(value, name, None) for name in ("__module__", "__qualname__", "__name__", "name")]
+    maker, *names = [name if isinstance(name, str) else "" for name in said]
+    maker = maker or type(value).__module__
+    own = not isinstance(value, VALUES) and maker.partition(".")[0] in LIBRARIES | {"builtins"}
+    return (maker, *names) if own else ()
 
 
 def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
