@@ -260,10 +260,12 @@ import types
 from math import exp
 HERE = types.ModuleType("here")
 HERE.GAIN, FACTOR, PAIR = 1.0, 0.9, (1.0, 3.0)
+BELOW = types.ModuleType("below"), 1
+BELOW[0].LOSS = 0.7
 def helper(v, *, scale=1.0):
     return 2.0 * v * exp(0.0) * scale * PAIR[0]
 def law(v, p):
-    return -0.5 * p.r * FACTOR * HERE.GAIN * helper(v)
+    return -0.5 * p.r * FACTOR * HERE.GAIN * helper(v) * BELOW[0].LOSS
 """
 
 
@@ -272,6 +274,7 @@ def law(v, p):
     [
         ("-0.5", "-0.4"), ("0.9", "0.8"), ("2.0", "1.9"), ("-0.5 * p.r", "-p.r / 2"),
         ("= 1.0,", "= 1.1,"), ("from math", "from cmath"), ("(1.0, 3", "(1.1, 3"), ("=1.0)", "=0.9)"),
+        ("0.7", "0.6"),
     ],
 )  # fmt: skip
 def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(tmp_path, monkeypatch, before, after):
@@ -293,6 +296,30 @@ def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(t
             pickle.loads(packed)
     finally:
         del sys.modules["theirs"]
+
+
+def test_a_function_that_takes_more_than_one_number_of_a_module_is_found_in_another_process(tmp_path):
+    """They were compared in the order of a set of texts, which is another one in every process."""
+    (tmp_path / "numbers_of_theirs.py").write_text("A, B, C, D, E = 1.0, 2.0, 3.0, 4.0, 5.0\n")
+    (tmp_path / "theirs.py").write_text(
+        "import numbers_of_theirs as n\ndef law(v, p):\n    return -p.r * v * (n.A + n.B + n.C + n.D + n.E)\n"
+    )
+    path = os.pathsep.join([str(tmp_path), os.path.dirname(os.path.dirname(gz.__file__))])
+    told = (
+        "import sys, pickle, theirs; from grazing.copies import Code\n"
+        "if sys.argv[1:]: pickle.loads(bytes.fromhex(sys.argv[1]))\n"
+        "print(pickle.dumps(Code(theirs.law)).hex())"
+    )
+    found = ""
+    for seed in "123":
+        done = subprocess.run(
+            [sys.executable, "-c", told, *found.split()],
+            env={**os.environ, "PYTHONPATH": path, "PYTHONHASHSEED": seed},
+            capture_output=True,
+            text=True,
+        )
+        assert done.returncode == 0, done.stderr
+        found = done.stdout
 
 
 @pytest.mark.parametrize("gone", ["del law", "FACTOR = 1", None, "raise ValueError('broken')", "import nothing_at_all"])

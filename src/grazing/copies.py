@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from grazing.kernel.content import Seen, below, coded, content, digest, frozen
+from grazing.kernel.content import below, coded, content, digest, frozen, reached
 from grazing.outcome import InputError, raised
 
 #: How the modules begin that a user's file is run as: no other process finds them by name.
@@ -133,14 +133,13 @@ def _outline(function: FunctionType) -> str:
     return hashlib.sha256(repr(found).encode()).hexdigest()
 
 
-def _comparable(values: dict[str, Any], above: tuple[Any, ...] = ()) -> list[Any]:
-    """Return of values what two processes can compare, and of modules what is behind their dots."""
-    inner = [
-        (key, _comparable(vars(value), (*above, value)))
-        for key, value in values.items()
-        if isinstance(value, Seen) and not any(value is each for each in above)
+def _comparable(values: dict[str, Any]) -> list[Any]:
+    """Return of values what two processes can compare, and of modules in them what is behind their dots."""
+    parts = [values, *map(vars, reached(tuple(values.values())))]
+    return [
+        [(key, content(value, (), {})) for key, value in sorted(part.items()) if _is_comparable(value)]
+        for part in parts
     ]
-    return [(key, content(value, (), {})) for key, value in values.items() if _is_comparable(value)] + inner
 
 
 def _is_comparable(value: object) -> bool:

@@ -219,6 +219,21 @@ TWINS = {
         "2",
         "3",
     ),
+    "a number that shows another number": (
+        "class F(float):\n    def hex(self): return '0x0'\nA = F({0})\ndef f(x): return x * A",
+        "2",
+        "3",
+    ),
+    "which module of a ring comes next": (
+        "a, b, c = module(1.0), module(2.0), module(3.0)\na.n, b.n, c.n = b, c, {0}\ndef f(x): return a.n.n.n.K * x",
+        "a",
+        "b",
+    ),
+    "which module of a ring stands in a pair": (
+        "a, b = module(1.0), module(2.0)\na.n, b.n = (b, 1), ({0}, 1)\ndef f(x): return a.n[0].n[0].K * x",
+        "a",
+        "b",
+    ),
 }
 
 
@@ -255,6 +270,85 @@ def test_digest_sees_what_was_set_in_a_library(monkeypatch, library, name, value
     before = digest(function)
     monkeypatch.setattr(library, name, value, raising=False)
     assert digest(function) != before
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "class E(enum.Enum):\n    A = {0}\nmath.mine = E\ndef f(x): return x * math.mine.A.value",
+        "class E(enum.Enum):\n    A = {0}\nmath.mine = E.A\ndef f(x): return x * math.mine.value",
+        "math.mine = numba.njit(lambda x: {0} * x)\ndef f(x): return math.mine(x)",
+    ],
+)
+def test_what_is_set_in_a_library_is_not_its_own(monkeypatch, text):
+    """Of an enum and a compiled function the hash held the name alone."""
+    monkeypatch.setattr(math, "mine", 0.0, raising=False)
+    for k in (2.0, 3.0, 2.0):
+        scope = {"math": math, "enum": enum, "numba": numba, "__name__": "theirs"}
+        exec(text.replace("{0}", str(k)), scope)
+        assert compiled(scope["f"])(1.5) == 1.5 * k
+
+
+def test_modules_that_all_name_each_other_are_hashed_at_once():
+    """Every way through them was gone."""
+    modules = [own_module(K=float(i)) for i in range(12)]
+    for module in modules:
+        vars(module).update({f"m{i}": each for i, each in enumerate(modules)})
+    scope = {"m": modules[0]}
+    exec(f"def f(x): return x * ({' + '.join(f'm.m{i}.K' for i in range(12))})", scope)
+    assert compiled(scope["f"])(1.0) == 66.0
+
+
+class Lazy(ModuleType):
+    """A package that imports what it is asked for."""
+
+    def __getattr__(self, name):
+        if name == "K":
+            return 2.0
+        raise ModuleNotFoundError(f"No module named 'theirs.{name}'")
+
+
+def test_a_module_is_not_asked_for_what_stands_behind_no_dot_or_is_not_there(recwarn):
+    """A package that imports what it is asked for was asked for all; NumPy warns of ``str``."""
+    theirs, unit = Lazy("theirs"), own_module(L=3.0)
+
+    def f(x):
+        return theirs.K * unit.L * x * len(str(1)) * np.cos(0.0)
+
+    assert compiled(f)(1.5) == 9.0
+    assert not [one for one in recwarn if "np.str" in str(one.message)]
+
+
+@pytest.mark.parametrize("both", [(math.floor, math.ceil), (float, int), (np.float64, np.int64), (np.floor, np.ceil)])
+def test_what_is_a_library_own_is_another_by_another_name(monkeypatch, both):
+    """The hash held the name that a program had given it, alone."""
+    for one in both:
+        monkeypatch.setattr(math, "mine", one, raising=False)
+        assert compiled(lambda x: math.mine(x))(1.5) == one(1.5)
+
+
+@pytest.mark.skipif(not hasattr(os, "fork"), reason="two processes are forked, to be alike")
+def test_a_function_that_a_kernel_is_given_is_another_in_every_process(folder):
+    """Where addresses are not random, that of another process was taken for it."""
+
+    def given(g, x):
+        return g(x) + 1.0
+
+    def said(k):
+        made = numba.njit(eval(f"lambda x: {k} * x"))
+        made.__class__.__repr__ = lambda self: "as in the other process"
+        return compiled(given)(made, 1.5)
+
+    for k in (2.0, 3.0):
+        read, write = os.pipe()
+        child = os.fork()
+        if not child:
+            os.write(write, str(said(k)).encode())
+            os._exit(0)
+        os.close(write)
+        with os.fdopen(read) as pipe:
+            assert float(pipe.read()) == 1.5 * k + 1.0
+        os.waitpid(child, 0)
 
 
 PROGRAM = """

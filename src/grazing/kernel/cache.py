@@ -20,7 +20,7 @@ import llvmlite
 import numba
 from numba import types
 
-from grazing.kernel.content import text
+from grazing.kernel.content import content, text
 from grazing.kernel.disk import KernelFiles, cache_folder, folders
 from grazing.kernel.prepared import machines, told
 from grazing.kernel.private import CompileResultCacheImpl, FunctionCache, normalize_signature
@@ -34,7 +34,9 @@ _there: dict[str, Any] = {}
 
 
 def spelled(kind: Any) -> str:
-    """Return the name of a type, with the fields of named tuples: two of one length are not the same."""
+    """Return the name of a type; of named tuples with the fields, of functions with what they are."""
+    if isinstance(kind, types.Dispatcher):  # which shows an address
+        return repr(content(kind.dispatcher, (), {}))
     if not isinstance(kind, types.BaseTuple):
         return str(kind)
     made = getattr(kind, "instance_class", tuple)

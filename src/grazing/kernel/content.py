@@ -45,6 +45,9 @@ SHOWN = (bool, int, complex, str, bytes)
 #: The instructions that a function begins with.
 FIRST = {"COPY_FREE_VARS", "MAKE_CELL", "RESUME", "NOP"}
 
+#: Those that take what has a name of its own.
+GLOBAL = {"LOAD_GLOBAL", "LOAD_NAME"}
+
 #: The bits of the NaN that has no sign.
 NAN = np.array(math.nan).tobytes()
 
@@ -140,14 +143,15 @@ def enclosed(function: FunctionType) -> list[Any]:
 def global_names(code: CodeType) -> frozenset[str]:
     """Return the global names of a function; not those behind a dot, which may only look like one."""
     inner = [const for const in code.co_consts if isinstance(const, CodeType)]
-    own = {op.argval for op in dis.get_instructions(code) if op.opname in ("LOAD_GLOBAL", "LOAD_NAME")}
+    own = {op.argval for op in dis.get_instructions(code) if op.opname in GLOBAL}
     return frozenset(own.union(*(global_names(const) for const in inner)))
 
 
 @lru_cache(maxsize=4096)
 def attributes(code: CodeType) -> frozenset[str]:
     """Return all names that may stand behind a dot in a function, or be given to ``getattr``."""
-    own = {*code.co_names, *(const for const in code.co_consts if isinstance(const, str))}
+    names = {op.argval for op in dis.get_instructions(code) if op.opcode in dis.hasname and op.opname not in GLOBAL}
+    own = names.union(const for const in code.co_consts if isinstance(const, str))
     return frozenset(own.union(*(attributes(const) for const in code.co_consts if isinstance(const, CodeType))))
 
 
@@ -212,9 +216,26 @@ def seen(value: Any, names: frozenset[str], met: dict[int, Seen] | None = None) 
     if id(value) not in met:
         kind = SeenLibrary if is_library(value) else Seen
         met[id(value)] = found = kind(value.__name__)
-        taken = {name: getattr(value, name) for name in names - MADE if hasattr(value, name)}
-        vars(found).update({name: seen(item, names, met) for name, item in taken.items()})
+        for name in sorted(names - MADE):
+            try:
+                taken = getattr(value, name)
+            except Exception:  # of whatever kind: a module may import what it is asked for
+                continue
+            vars(found)[name] = seen(taken, names, met)
     return met[id(value)]
+
+
+def reached(value: Any, met: list[Seen] | None = None) -> list[Seen]:
+    """Return the modules in a value, and behind the dots of these, each once."""
+    met = [] if met is None else met
+    if isinstance(value, tuple):
+        for item in value:
+            reached(item, met)
+    elif isinstance(value, Seen) and not any(value is each for each in met):
+        met.append(value)
+        for key in sorted(vars(value)):
+            reached(vars(value)[key], met)
+    return met
 
 
 def frozen(function: FunctionType) -> dict[str, Any]:
@@ -226,6 +247,21 @@ def frozen(function: FunctionType) -> dict[str, Any]:
     found |= {f"{key}=": value for key, value in sorted((function.__kwdefaults__ or {}).items())}
     names = attributes(function.__code__)
     return {key: seen(value, names) for key, value in (named(function) | found).items()}
+
+
+def listed(module: Seen) -> list[tuple[str, Any]]:
+    """Return what is hashed of a module, by name: of what a library has made itself the names alone."""
+    own = isinstance(module, SeenLibrary)
+    return [(key, (own and names_of(item)) or item) for key, item in sorted(vars(module).items())]
+
+
+def names_of(value: Any) -> tuple[str, ...]:
+    """Return the names of what a library has made itself; none of anything else, which a program can set there."""
+    said = [getattr(value, name, None) for name in ("__module__", "__qualname__", "__name__", "name")]
+    maker, *names = [name if isinstance(name, str) else "" for name in said]
+    maker = maker or type(value).__module__
+    own = not isinstance(value, VALUES) and maker.partition(".")[0] in LIBRARIES | {"builtins"}
+    return (maker, *names) if own else ()
 
 
 def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
@@ -253,10 +289,12 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
         bases = [content(base, (*above, value), known) for base in value.__bases__] if stated else []
         return (value.__name__, getattr(value, "_fields", ()), bases, own)
     if isinstance(value, Seen):
-        taken = {} if any(each is value for each in above) else vars(value)
-        if isinstance(value, SeenLibrary):  # a program can set other things there
-            taken = {key: item if isinstance(item, VALUES) else key for key, item in taken.items()}
-        return ("module", [(key, content(taken[key], (*above, value), known)) for key in sorted(taken)])
+        place = next((i for i, each in enumerate(reversed(above)) if each is value), None)
+        if place is not None:
+            return ("module", place)
+        modules = reached(value)
+        above = (*above, *modules)
+        return ("modules", [[(key, content(item, above, known)) for key, item in listed(each)] for each in modules])
     if isinstance(value, ModuleType):
         return ("module", value.__name__)
     if isinstance(value, BuiltinFunctionType) and isinstance(value.__self__, (ModuleType, NoneType)):
@@ -271,7 +309,7 @@ def content(value: Any, above: tuple[Any, ...], known: Known) -> Any:
     if isinstance(value, np.void):
         return ("record", repr(value.dtype), value.tobytes())
     if isinstance(value, float):
-        return value.hex() if math.isfinite(value) else shown(value)
+        return float.hex(value) if math.isfinite(value) else shown(value)
     if value is None or isinstance(value, (*SHOWN, np.generic)):
         return (type(value).__name__, shown(value))
     made = getattr(value, "py_func", None)
