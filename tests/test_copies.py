@@ -261,7 +261,7 @@ from math import exp
 HERE = types.ModuleType("here")
 HERE.GAIN, FACTOR, PAIR = 1.0, 0.9, (1.0, 3.0)
 BELOW = types.ModuleType("below"), 1
-BELOW[0].LOSS = 0.7
+BELOW[0].LOSS = 1.0
 def helper(v, *, scale=1.0):
     return 2.0 * v * exp(0.0) * scale * PAIR[0]
 def law(v, p):
@@ -274,7 +274,7 @@ def law(v, p):
     [
         ("-0.5", "-0.4"), ("0.9", "0.8"), ("2.0", "1.9"), ("-0.5 * p.r", "-p.r / 2"),
         ("= 1.0,", "= 1.1,"), ("from math", "from cmath"), ("(1.0, 3", "(1.1, 3"), ("=1.0)", "=0.9)"),
-        ("0.7", "0.6"),
+        ("LOSS = 1.0", "LOSS = 0.9"),
     ],
 )  # fmt: skip
 def test_a_function_of_the_same_name_is_not_taken_for_the_one_that_was_pickled(tmp_path, monkeypatch, before, after):
