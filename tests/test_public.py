@@ -65,6 +65,14 @@ def test_outcomes_are_described():
             gz.describe(wrong)
 
 
+def test_a_ball_that_is_pressed_on_for_ever_is_promised_no_release():
+    pressed = gz.Oscillator(alpha=1, k=4, forcing=gz.Forcing(omega=1.9, offset=-2, cos=(1,)), reset=gz.newton(r=0))
+    outcome = gz.trajectory(pressed, (0.5, 0.5), until=20.0).attrs["grazing_outcome"]
+    assert outcome == gz.Outcome.stuck
+    assert "for a while or for ever" in gz.describe(outcome)
+    assert "if the forcing ever releases it" in gz.describe(outcome)
+
+
 @pytest.mark.parametrize(
     "use", [gz.stroboscopic_map, gz.impact_map, gz.discontinuity_map, gz.zdm, gz.testing.check_model]
 )

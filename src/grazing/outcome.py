@@ -89,8 +89,8 @@ _ADVICE = {
         "treat the orbit as either of the two",
     ),
     Outcome.stuck: (
-        "the ball rests on the wall for a while; on a table it slides or rests on an object",
-        "nothing to do: the forcing releases it",
+        "the ball rests on the wall, for a while or for ever; on a table it slides or rests on an object",
+        "nothing to do: it leaves the wall if the forcing ever releases it",
     ),
     Outcome.chatter: (
         "infinitely many impacts in finite time, completed in closed form",
