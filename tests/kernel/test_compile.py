@@ -343,8 +343,10 @@ def test_a_function_that_a_kernel_is_given_is_another_in_every_process(folder):
         read, write = os.pipe()
         child = os.fork()
         if not child:
-            os.write(write, str(said(k)).encode())
-            os._exit(0)
+            try:
+                os.write(write, str(said(k)).encode())
+            finally:
+                os._exit(0)  # whatever happened: there is a second run of the tests otherwise
         os.close(write)
         with os.fdopen(read) as pipe:
             assert float(pipe.read()) == 1.5 * k + 1.0

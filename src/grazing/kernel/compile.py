@@ -354,6 +354,7 @@ def _resolved(function: FunctionType, replace: Callable[[FunctionType], Any]) ->
     # numba imports the module when it reads a kernel from the disk, where equal code may be that of any other: of a
     # notebook, of a file of one's own
     names = {"__name__": COMPILED, "__builtins__": function.__globals__.get("__builtins__")}
+    # by its name alone: a record in a closure, or that is a default, may be taken apart as a tuple
     seen = {key: whole(value) if key.isidentifier() else value for key, value in frozen(function).items()}
 
     def code(key: str, value: Any) -> Any:

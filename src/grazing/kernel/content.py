@@ -162,7 +162,7 @@ class Unseen(UserCodeError, AttributeError):
 class Seen(ModuleType):
     """A module as one function sees it: with what that function names behind dots alone, which is what is hashed.
 
-    Whoever is given it, by whatever way, finds nothing else there. It equals those that say the same of themselves.
+    Whoever is given it, by whatever way, finds nothing else there. To the compiler it equals those that hold the same.
     """
 
     __slots__ = ("__holds__",)
