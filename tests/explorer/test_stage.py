@@ -555,6 +555,49 @@ def test_on_a_low_screen_an_exercise_leaves_room_for_its_pictures(opened, addres
         assert shown.page.locator(f"#{canvas}").bounding_box()["height"] > 220
 
 
+#: Buttons of the ball that are seen whole, and under no other thing, with how high they are.
+PRESSED = """() => ["play", "step", "settle", "twin", "sweeps"].map((id) => {
+  const button = document.getElementById(id), { x, y, width, height } = button.getBoundingClientRect();
+  return button.contains(document.elementFromPoint(x + width / 2, y + height / 2)) ? height : 0;
+})"""
+
+
+@pytest.mark.parametrize("more", ["", "&note=For which d do two orbits live?", "&tour=6", "&tour=9&answer=2"])
+def test_on_a_phone_before_a_room_the_buttons_of_the_ball_are_at_hand(phone, address, more):
+    phone.open(f"{address}#version=2&view=ball&columns=20&omega=6&V=0&offset=-0.2&reach=-0.3:0{more}")
+    phone.page.keyboard.press("p")
+    phone.until("() => document.getElementById('stage').checkVisibility()")
+    for everything in (False, True):
+        if everything:
+            phone.page.tap("#more")
+        heights = phone.page.evaluate(PRESSED)
+        assert min(heights) >= 44, heights
+    phone.page.tap("#more")
+    phone.page.tap("#twin")
+    phone.until("() => document.getElementById('rate').innerText.includes('±')")
+    rate, slider = (phone.page.locator(what).bounding_box() for what in ("#rate", ".control.turned"))
+    assert rate["y"] + rate["height"] <= slider["y"]
+    phone.page.tap("#sweeps")  # and its picture is seen
+    assert phone.page.locator("#ball-diagram").bounding_box()["height"] > 90
+
+
+def test_on_a_phone_the_slider_of_an_exercise_is_in_the_first_screen(phone, address):
+    note = "Let d fall until the ball just touches the bumper. Where is that, and which formula gives it?"
+    phone.open(f"{address}#version=2&view=ball&columns=20&offset=0.14&note={note}")
+    slider = phone.page.locator(".control.turned").bounding_box()
+    assert slider["y"] + slider["height"] < 844
+
+
+@pytest.mark.parametrize(("view", "words"), [("ball", "#lead"), ("oscillator", "#summary")])
+def test_with_all_controls_the_word_stays_in_sight(opened, view, words):
+    shown = opened(view, (1280, 720))
+    shown.page.keyboard.press("p")
+    shown.page.click("#more")
+    shown.until(f"() => /[01]{{3}}/.test(document.querySelector('{words}').innerText)")
+    box = shown.page.locator(words).bounding_box()
+    assert box["height"] > 20 and box["y"] > 70 and box["y"] + 30 < 720
+
+
 #: How wide and how high the cobweb is between its axes, in CSS pixels, and where that ends.
 WEB = """() => {
   const { axes } = explorer.views.gap.cobweb, { left, top } = axes.canvas.getBoundingClientRect();
