@@ -63,10 +63,9 @@ export class Company {
   /** The ball has moved on by a time. @param {number} time */
   moved(time) {
     const { view, twin } = this;
-    const seen = twin?.flight ? twin.advance(time, view.T, view.section, view.place) : null;
-    if (twin && seen === null) this.#meet();
-    if (seen) view.play(false); // who looks away sees it later
-    if (twin) this.#measure();
+    if (!twin) return;
+    if (!twin.flight || !twin.advance(time, view.T, view.section, view.place)) this.#meet();
+    this.#measure();
   }
 
   /** Measure the rate along the pushes that are to come. */
@@ -95,8 +94,11 @@ export class Company {
   }
 
   #tell() {
-    const parted = Math.ceil(this.twin?.parted ?? 0);
-    this.told.textContent = this.twin ? `${this.rate.said()}${parted ? ` The twin parted within ${parted === 1 ? "a push" : `${parted} pushes`}; Settle puts it beside the ball again.` : ""}` : "";
+    const { twin, rate } = this, pushes = (/** @type {number} */ n) => (n > 1 ? `${Math.ceil(n)} pushes` : "a push");
+    if (!twin) return void (this.told.textContent = "");
+    const together = rate.exponent < 0, why = together ? ", begun 1 % of the picture away and so less near," : "";
+    const end = !together ? "“Settle” begins anew." : twin.met ? `It was back after ${pushes(twin.met)}.` : "";
+    this.told.textContent = `${rate.said()}${twin.parted ? ` The twin${why} parted within ${pushes(twin.parted)}. ${end}` : ""}`;
   }
 
   /** @param {import("./plot.js").Axes} axes @param {import("./svg.js").Pen} c */
