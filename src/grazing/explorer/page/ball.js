@@ -9,7 +9,7 @@ import { diagramOf, events, rowOf, valueOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
 import { Here } from "./here.js";
 import { LAWS, fileOf, kicks, ownOf, plain, unit } from "./laws.js";
-import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
+import { SEARCHING, Search, costOf, drawnFrom, within, words } from "./orbits.js";
 import { Past, chattered } from "./past.js";
 import { Axes } from "./plot.js";
 import { portrait } from "./portrait.js";
@@ -67,6 +67,7 @@ export class BallView {
   /** @type {number | undefined} */ last = undefined;
   frame = 0;
   /** Whether it was stepped to an impact soon after another. */ hops = false;
+  /** @type {import("./jobs.js").Class | undefined} the orbit it is on */ heard = undefined;
 
   /**
    * @param {import("./machine.js").Machine} machine
@@ -361,7 +362,9 @@ export class BallView {
     if (!this.playing || this.#hidden) return;
     if (this.last !== undefined && !this.sling.aim) this.#advance((Math.min(at - this.last, 100) / 1000) * PACE * this.speed * this.T);
     this.last = at;
+    const { heard } = this;
     this.draw();
+    if (this.heard !== heard) this.told();
   };
 
   /** Stop, and move on to just after the next impact, or by a period if there is none in twenty. */
@@ -392,7 +395,8 @@ export class BallView {
     const { axes, state, past } = this;
     if (!this.attractor || !this.flight) return;
     this.#run();
-    const colour = periodColour(past.heard(this.classes)?.period ?? 0), { twin } = this.company, { aim } = this.sling;
+    this.heard = past.heard(this.classes);
+    const colour = periodColour(this.heard?.period ?? 0), { twin } = this.company, { aim } = this.sling;
     const endless = [...past.letters].some(([turn, letter]) => turn >= this.#first && chattered(letter)); // completed chatter has impacts without end
     const time = `t = ${(this.turn * this.T).toFixed(2)} · ${endless ? "∞" : this.impacts} impact${this.impacts === 1 && !endless ? "" : "s"}`;
     const [shift] = moved(state, this.begun[2] + this.now);
@@ -422,7 +426,7 @@ export class BallView {
     const { two, cos_A, sin_A } = this.state, moves = cos_A !== 0 || sin_A !== 0, kick = kicks(this.state), own = ownOf(this.state);
     const between = kick.below && kick.above ? "two bumpers that kick" : kick.below ? "a bumper that kicks and a wall" : kick.above ? "a wall and a bumper that kicks" : "two walls";
     const where = own ? `${two ? "between two walls" : "above a wall"} with the law ${own.law}` : two ? `between ${between}` : `above a ${kick.below ? "bumper that kicks" : "wall"}`;
-    return { headline: `A force pushes a ball up and down ${where}${moves ? `, which ${two ? "move" : "moves"}` : ""}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes) };
+    return { headline: `A force pushes a ball up and down ${where}${moves ? `, which ${two ? "move" : "moves"}` : ""}.`, said: this.search.waiting ? [{ text: SEARCHING }] : tune(this.classes, Boolean(this.state.ball || this.lived) && !this.heard) };
   }
 
   summary() {
@@ -434,7 +438,7 @@ export class BallView {
     if (state.two) said.push({ text: `A second wall, B, is above the ball at u = ${numeral(state.sigma_B)}${LAWS[state.law].includes("V") ? `, and kicks with V = ${numeral(state.V_B)}` : ""}; a word names the walls that are hit.` });
     if (swing(state)) said.push({ text: `${state.two ? "Both walls move" : "The wall moves"} by ${numeral(swing(state))} to each side, at the pace of the pushes.` });
     if (this.search.waiting) said.push({ text: SEARCHING });
-    said.push(...words(this.classes));
+    said.push(...words(this.classes), drawnFrom(this.machine, this.model.row));
     if (state.ball) said.push({ text: `${JSON.stringify(state.ball) === this.recorded ? "Stopped at" : "Thrown from"} (${numeral(state.ball[0])}, ${numeral(state.ball[1])}) at t = ${numeral(state.ball[2])}: the link and the copied program begin there. “Settle” goes back to the orbit.` });
     const hits = this.attractor?.hits ?? [];
     if (this.attractor?.cut) said.push({ text: `The faint curve shows the first ${hits.length} impacts of it.` });

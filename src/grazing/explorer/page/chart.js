@@ -362,7 +362,7 @@ export class ChartView {
       const { reached } = free !== u ? { reached: [] } : this.#follow([u, v]);
       if (reached.length) said.push({ text: `From (${numeral(u)}, ${numeral(v)}) the ball reaches: ${called(reached[0])}. “Ball” throws it from there.` });
     }
-    said.push({ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"}, by the attractor that they reach${this.canvas.dataset.stage === "computing" ? ", so far" : ""}:` });
+    said.push({ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"} with ${plan.names.map((name, i) => plan.ends[i].map((end) => numeral(end)).join(` ≤ ${name} ≤ `)).join(" and ")}, by the attractor that they reach${this.canvas.dataset.stage === "computing" ? ", so far" : ""}:` });
     for (const each of all.slice(0, 12)) {
       const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
       said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture`, exact: place });

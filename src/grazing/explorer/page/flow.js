@@ -2,10 +2,10 @@
 /** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
 import { theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { drawWindows, outwards, reach, sayBands, windows } from "./gap.js";
+import { drawWindows, outwards, reach, sayBelow, windows } from "./gap.js";
 import { extent, linspace, normalForm } from "./jobs.js";
 import { ownOf } from "./laws.js";
-import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
+import { SEARCHING, Search, costOf, drawnFrom, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
 import { allowed, later, numeral, told } from "./state.js";
 import { isPinball } from "./text.js";
@@ -209,19 +209,16 @@ export class FlowView {
 
   /** @param {Axes} axes @param {Pen} c */
   #under(axes, c) {
-    if (this.state.theory && this.windows.length && !this.why) drawWindows(axes, c, this.windows, this.#place);
+    if (this.state.theory && this.windows.length && !this.why) drawWindows(axes, c, this.windows, this.#place, (N) => `${"0".repeat(N - 1)}1`);
   }
 
   /** @param {Axes} axes @param {Pen} c */
   #overlay(axes, c, reduced = false) {
     if (this.form) axes.vertical(this.form.graze, theme().graze, [2, 2]);
     axes.vertical(valueOf(this.state, this.state.vary), theme().accent, [], 1.6);
-    c.fillStyle = theme().faint;
-    c.textAlign = "left";
-    c.textBaseline = "bottom"; // below the axis, where no curve is
-    const name = reduced ? "reduced map (2.6)" : "full oscillator", y = axes.box.y + axes.box.h + 42;
-    c.fillText(name, axes.box.x, y);
-    if (this.state.theory && this.windows.length && !this.why) sayBands(axes, c, c.measureText(`${name}  `).width);
+    const name = reduced ? "reduced map (2.6)" : "full oscillator"; // below the axis, where no curve is
+    sayBelow(axes, c, 0, name);
+    if (this.state.theory && this.windows.length && !this.why) sayBelow(axes, c, c.measureText(`${name}  `).width);
   }
 
   repaint() {
@@ -240,7 +237,7 @@ export class FlowView {
     /** @type {import("./state.js").Line[]} */
     const said = [{ text: `At ${name} = ${told(value, ends)}:` }];
     if (this.search.waiting) said.push({ text: SEARCHING });
-    said.push(...words(this.classes));
+    said.push(...words(this.classes), drawnFrom(this.machine, rowOf(this.machine, state)));
     if (this.form) {
       const { graze, lam, l } = this.form;
       const mu = this.form.mu(Float64Array.of(value))[0];

@@ -43,10 +43,10 @@ export function outwards(low, high) {
   return ends[0] <= low && ends[1] >= high && places < 15 ? ends : [low, high];
 }
 
-/** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis. @param {Axes} axes @param {Pen} c @param {Window[]} all @param {(mu: number) => number} place */
-export function drawWindows(axes, c, all, place = (mu) => mu) {
+/** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis, `name` a period into a word. @param {Axes} axes @param {Pen} c @param {Window[]} all @param {(mu: number) => number} place @param {(N: number) => string} name */
+export function drawWindows(axes, c, all, place = (mu) => mu, name = String) {
   const { box } = axes;
-  let last = Infinity;
+  let last = Infinity, before = 0;
   const shown = all
     .filter(({ doubling, collision }) => doubling < collision)
     .map(({ N, doubling, collision }) => ({ N, ends: [place(doubling), place(Number.isFinite(collision) ? collision : 1e9)] }));
@@ -76,17 +76,16 @@ export function drawWindows(axes, c, all, place = (mu) => mu) {
     const a = Math.max(Math.min(...ends), axes.x0), b = Math.min(Math.max(...ends), axes.x1);
     if (!(b > a)) continue;
     const middle = axes.x((a + b) / 2);
-    const room = Math.abs(last - middle) >= 20; // those after the first without room are narrower still
+    const wide = c.measureText(name(N)).width / 2, room = Math.abs(last - middle) >= wide + before + 11; // those after the first without room are narrower still
     c.fillStyle = room ? periodColour(N) : theme().faint;
-    c.fillText(room ? String(N) : "…", room ? middle : last + (middle < last ? -17 : 17), box.y - 3);
+    c.fillText(room ? name(N) : "…", room ? middle : last + (middle < last ? -1 : 1) * (before + 13), box.y - 3);
     if (!room) break;
-    last = middle;
+    [last, before] = [middle, wide];
   }
 }
 
-/** Say under the axis, where there is room, what the bands are. @param {Axes} axes @param {Pen} c @param {number} left of it something else is said */
-export function sayBands({ box }, c, left = 0) {
-  const text = "bands: windows of theory";
+/** Say under the axis, where there is room beside the progress, what is seen. @param {Axes} axes @param {Pen} c @param {number} left of it something else is said */
+export function sayBelow({ box }, c, left = 0, text = "bands: windows of theory") {
   c.fillStyle = theme().faint;
   c.textAlign = "left";
   c.textBaseline = "bottom";
@@ -182,7 +181,7 @@ export class GapView extends Beside {
 
   /** @param {Axes} axes @param {Pen} c */
   #overlay(axes, c) {
-    if (this.state.theory && this.windows.length) sayBands(axes, c);
+    if (this.state.theory && this.windows.length) sayBelow(axes, c);
     axes.vertical(0, theme().graze, [2, 2]);
     axes.vertical(this.state.mu, theme().accent, [], 1.6);
   }

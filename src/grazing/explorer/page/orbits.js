@@ -74,6 +74,12 @@ export class Search {
   }
 }
 
+/** Where starts are drawn: shares are of that. @param {import("./machine.js").Machine} machine @param {import("./machine.js").Floats} rows */
+export function drawnFrom(machine, rows) {
+  const [a, b, c, d] = Array.from(machine.call("boxes", { columns: 1, rows }, ["boxes"]).boxes, (end) => numeral(end, 3));
+  return { text: `The 16 starts are random, with ${a} ≤ u ≤ ${b} and ${c} ≤ v ≤ ${d}; Charts count those of their picture.` };
+}
+
 /** In place of the classes while they are searched. */
 export const SEARCHING = "Looking for what random starts settle on …";
 

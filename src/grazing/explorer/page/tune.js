@@ -21,11 +21,12 @@ function rhythm({ period, impacts, length, word }) {
   return `it hits ${hits} ${length === 1 ? "in every push" : `in ${spelt(length)} pushes`}: ${word}`;
 }
 
-/** The pieces of a sentence, each word with the colour of its period. @param {Class[]} classes @returns {import("./state.js").Line[]} */
-export function tune(classes) {
+/** The pieces of a sentence, each word with the colour of its period. @param {Class[]} classes @param {boolean} coming whether the ball is still on its way there @returns {import("./state.js").Line[]} */
+export function tune(classes, coming = false) {
   const known = classes.filter(({ period }) => period !== 0);
   if (!known.length) return [{ text: "What becomes of it is not decided." }];
   const said = known.slice(0, 3).map((each) => ({ colour: periodColour(each.period), text: rhythm(each) }));
-  if (said.length === 1) return [{ ...said[0], text: `${said[0].text[0].toUpperCase()}${said[0].text.slice(1)}.` }];
-  return [{ text: "The start decides: " }, ...said.flatMap((each, i) => [...(i ? [{ text: "; or " }] : []), each]), { text: "." }];
+  const way = coming && known.every(({ period }) => period > 0) ? `On its way to ${said.length > 1 ? "one of these" : "this"}: ` : "";
+  if (said.length === 1) return [...(way ? [{ text: way }] : []), { ...said[0], text: `${way ? said[0].text : said[0].text[0].toUpperCase() + said[0].text.slice(1)}.` }];
+  return [{ text: way || "The start decides: " }, ...said.flatMap((each, i) => [...(i ? [{ text: "; or " }] : []), each]), { text: "." }];
 }
