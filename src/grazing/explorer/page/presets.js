@@ -10,9 +10,9 @@ export const EXERCISES = {
   "The graze": ["Let d fall until the ball just touches the bumper. Where is that, and which formula gives it? Multiply ω by 1.5: does the graze move up or down?", "#version=2&view=ball&offset=0.14"],
   "Adding": ["Click in the windows from left to right. How do the words go on? By which factor does each window end nearer to the graze than the one before?", "#version=2&view=oscillator&reach=0.12:0.1312&offset=0.1292&reduced=no"],
   "Coexistence and hysteresis": ["For which d near 0.1225 do two orbits live? Carry the ball there from 0.119 and from 0.127: on which is it? Which share of starts goes to each (Charts)?", "#version=2&view=ball&offset=0.1225&reach=0.118:0.128&sweeps=yes&chart=basins"],
-  "Cobweb": ["Let μ rise until the orbit of period 3 ends, and fall until it doubles. What does the point on the right do at each end?", "#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&x0=0.2&web=3"],
-  "Chaos": ["Start the twin, and read its λ. For how many more pushes is the ball foretold if its start is known a thousand times as well?", "#version=2&view=ball&omega=6&V=0&offset=-0.2&reach=-0.3:0"],
-  "Chatter": ["The force hardly changes while the ball hops. If one hop lasts a time τ, how long is it until the ball lies still? What changes with r = 0.9?", "#version=2&view=ball&V=0&r=0.7&offset=-0.5&reach=-0.6:0.1"],
+  "Cobweb": ["Let μ rise until the orbit of period 3 ends, and fall until one of period 4 takes its place. What does the point on the right do at each end?", "#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&x0=0.2&web=3"],
+  "Chaos": ["Start the twin, and read its λ and how sure it is. For how many more pushes is the ball foretold if its start is known a thousand times as well?", "#version=2&view=ball&omega=6&V=0&offset=-0.2&reach=-0.3:0"],
+  "Chatter": ["The force hardly changes while the ball hops. If one hop lasts a time τ, how long is it until the ball lies still? Does it with r = 0.8, with 0.9?", "#version=2&view=ball&V=0&r=0.7&offset=-0.5&reach=-0.6:0.1"],
   "The table": ["Launch a ball and split it. Near balls part tenfold in about 0.3 s. How much longer do you foresee the ball if you place it a thousand times as exactly? Where does the curve leap?", "#table=classic"],
 };
 
