@@ -573,6 +573,7 @@ def test_on_a_phone_before_a_room_the_buttons_of_the_ball_are_at_hand(phone, add
         heights = phone.page.evaluate(PRESSED)
         assert min(heights) >= 44, heights
     phone.page.tap("#more")
+    phone.page.tap("#play")  # measured while the ball flies
     phone.page.tap("#twin")
     phone.until("() => document.getElementById('rate').innerText.includes('±')")
     rate, slider = (phone.page.locator(what).bounding_box() for what in ("#rate", ".control.turned"))

@@ -426,6 +426,13 @@ def test_every_table_plays(shown, address, name):
     assert page.locator("[data-press]:visible").count() == 0  # they have no flippers
 
 
+def test_a_ball_that_nobody_launched_is_said_to_show_the_table(shown, address):
+    page = opened(shown, address, fragment="", still=False)
+    shown.until("() => document.getElementById('said').textContent.startsWith('A ball to show the table')")
+    page.keyboard.press(" ")
+    shown.until("() => !document.getElementById('said').textContent.includes('show the table')")
+
+
 def test_thumbs_on_a_telephone(browser, address):
     context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, reduced_motion="reduce")
     page = context.new_page()
@@ -450,6 +457,10 @@ def test_thumbs_on_a_telephone(browser, address):
     assert page.evaluate(f"() => {GAME}.ghosts.length > 100")
     curve = page.locator("#spread-figure").bounding_box()["y"]
     assert curve < page.locator("#exits-figure").bounding_box()["y"]
+    page.goto(address.replace("index.html", "") + "table.html#table=classic&note=Split it")  # which asks for the curve
+    page.wait_for_function("() => document.getElementById('note').checkVisibility()")
+    curve = page.locator("#spread").bounding_box()
+    assert curve["height"] > 100 and curve["y"] + curve["height"] < 844
     context.close()
 
 

@@ -2,6 +2,7 @@
 
 import re
 import time
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -242,3 +243,67 @@ def test_the_names_of_both_diagrams_stand_below_their_axes(shown, address):
             [diagram, name],
         )
         assert y > low + 18
+
+
+#: Whatever is written below the axis of a diagram, from where to where.
+BELOW = """() => {
+  const d = explorer.views.oscillator.diagram, c = d.axes.context, { box } = d.axes, all = [];
+  d.stage = "full";
+  d.axes.progress = Object.getPrototypeOf(d.axes).progress.bind(d.axes, 0.5, -1e9);
+  c.fillText = (text, x, y) => {
+    const wide = c.measureText(text).width, left = x - { left: 0, center: wide / 2, right: wide }[c.textAlign];
+    if (y > box.y + box.h + 18) all.push([left, left + wide]);
+  };
+  d.draw();
+  delete c.fillText;
+  delete d.axes.progress;
+  d.stage = "done";
+  d.draw();
+  return all.sort((a, b) => a[0] - b[0]);
+}"""
+
+
+def test_on_a_phone_the_name_of_a_diagram_and_its_progress_share_no_place(phone, address):
+    phone.open(f"{address}#version=2&view=oscillator&columns=20&bins=20")
+    for presented in (False, True):
+        if presented:
+            phone.page.keyboard.press("p")
+        texts = phone.page.evaluate(BELOW)
+        assert len(texts) >= 2 and all(a[1] < b[0] for a, b in pairwise(texts)), texts
+    phone.page.click("#end")
+
+
+def test_words_stand_above_the_windows_of_the_oscillator(shown, address):
+    shown.open(f"{address}#version=2&view=oscillator&reach=0.12:0.1312&reduced=no&columns=20&bins=20")
+    found = shown.page.evaluate(
+        "() => { const { axes } = explorer.views.oscillator.diagram, c = axes.context, all = []; "
+        "c.fillText = (text, x, y) => { if (/^0+1$/.test(text)) all.push([text, axes.atX(x)]); }; "
+        "explorer.views.oscillator.diagram.draw(); delete c.fillText; return all; }"
+    )
+    windows = gz.windows(gz.pinball(), "d", N=range(3, 7))
+    assert [word for word, _ in found][:3] == ["001", "0001", "00001"]
+    for word, at in found[:3]:
+        window = windows.sel(N=len(word))
+        assert float(window.low) < at < float(window.high)
+
+
+def test_which_box_starts_are_from_is_said_where_their_shares_are(shown, address):
+    """Random starts of the ball and the states of a chart are from different boxes, and so their shares differ."""
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.1225")
+    shown.until("() => / of 16 starts/.test(document.getElementById('summary').textContent)")
+    (u0, u1), (v0, v1) = gz.stroboscopic_map(gz.pinball(d=0.1225)).box
+    said = shown.page.evaluate("() => document.getElementById('summary').textContent").replace("−", "-")
+    ends = map(float, re.search(r"with (\S+) ≤ u ≤ (\S+) and (\S+) ≤ v ≤ ([-\d.]+);", said).groups())
+    assert list(ends) == pytest.approx([u0, u1, v0, v1], rel=1e-2)
+    few = "chart_columns=6&chart_rows=6&positions=0:0.4&velocities=-0.7:0.8"
+    shown.open(f"{address}#version=2&view=chart&chart=basins&offset=0.1225&{few}")
+    assert "with 0 ≤ u ≤ 0.4 and −0.7 ≤ v ≤ 0.8, by" in shown.page.inner_text("#summary")
+
+
+def test_a_ball_on_its_way_to_an_orbit_is_said_to_be(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&ball=0.3:0:0")
+    shown.page.evaluate("() => { explorer.views.ball.play(false); explorer.views.ball.begin(); }")
+    lead = "document.getElementById('lead').textContent"
+    shown.until(f"() => {lead} === 'On its way to this: it hits once in three pushes: 001.'")
+    shown.page.evaluate("() => { explorer.views.ball.speed = 30; explorer.views.ball.play(true); }")
+    shown.until(f"() => {lead} === 'It hits once in three pushes: 001.'")
