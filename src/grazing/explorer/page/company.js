@@ -68,6 +68,8 @@ export class Company {
     this.#measure();
   }
 
+  /** Of a ball that stands, the frame that goes on measuring. */ #next = 0;
+
   /** Measure the rate along the pushes that are to come. */
   #measure() {
     const { machine, model, state } = this.view, ends = performance.now() + BUDGET;
@@ -80,6 +82,10 @@ export class Company {
       this.#ahead = turn(...this.#ahead);
       if (!this.#ahead.every(Number.isFinite)) this.#ahead = null;
     }
+    if (this.#ahead && this.rate.turns < TURNS && !this.view.playing) this.#next ||= requestAnimationFrame(() => {
+      this.#next = 0;
+      this.#measure();
+    });
     this.#tell();
   }
 

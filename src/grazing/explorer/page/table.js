@@ -407,7 +407,7 @@ async function start() {
   if (!arrive() && !still.matches) {
     plunge(0.83);
     game.fan(60, SMALL);
-    say(`A ball to show the table, with sixty near it: ${touch.matches ? "Launch" : "Space"} sends yours.`);
+    say(`A ball to show the table: ${touch.matches ? "Launch" : "Space"} sends yours.`);
   }
 }
 
