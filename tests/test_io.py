@@ -141,13 +141,16 @@ def test_what_cannot_be_loaded(tmp_path):
     xr.Dataset({"x": 1.0}).to_netcdf(foreign, engine="scipy")
     text = tmp_path / "text.nc"
     text.write_text("words")
+    newer = tmp_path / "newer.nc"
+    newer.write_bytes(b"\x89HDF\r\n\x1a\n")
     damaged = tmp_path / "damaged.nc"
     damaged.write_bytes(ours.read_bytes()[:500])
     for path, said in [
         (tmp_path / "none.nc", "there is no file .*none.nc"),
         (tmp_path, "is a folder: give the store of a sweep, or a file that gz.save wrote; "),
         (foreign, "foreign.nc was not written by gz.save; open it with xarray.open_dataset instead"),
-        (text, "text.nc was not written by gz.save"),
+        (newer, "newer.nc was not written by gz.save; open it with xarray.open_dataset instead"),
+        (text, "text.nc was not written by gz.save; give a .nc file that it wrote, or a store"),
         (damaged, "damaged.nc is damaged and cannot be read"),
     ]:
         with pytest.raises(gz.InputError, match=said):

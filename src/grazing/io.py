@@ -146,8 +146,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
                 f"{source} is a folder: give the store of a sweep, or a file that gz.save wrote; {error}"
             ) from error
     with opened(source) as file:
-        if file.read(3) != b"CDF":
-            raise _foreign(source)
+        if (head := file.read(4))[:3] != b"CDF":
+            raise _foreign(source, readable=head == b"\x89HDF")
         refuse_too_large(os.fstat(file.fileno()).st_size, f"{source} cannot be opened here")
         try:
             with warnings.catch_warnings():
@@ -197,8 +197,9 @@ def _read(file: _Once, source: Path) -> xr.Dataset:
         return _decoded(stored.load(), record)
 
 
-def _foreign(source: Path) -> InputError:
-    return InputError(f"{source} was not written by gz.save; open it with xarray.open_dataset instead")
+def _foreign(source: Path, readable: bool = True) -> InputError:
+    advice = "open it with xarray.open_dataset instead" if readable else "give a .nc file that it wrote, or a store"
+    return InputError(f"{source} was not written by gz.save; {advice}")
 
 
 def _record(stored: xr.Dataset, source: Path) -> dict[str, Any]:

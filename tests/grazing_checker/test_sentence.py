@@ -4,6 +4,7 @@ import re
 
 import pytest
 
+from grazing_checker import check
 from tests.grazing_checker.bases import GAP_NAMES, TABLE_NAMES, TABLE_VALUE_NAMES, bases
 from tests.grazing_checker.documents import NAMES
 
@@ -61,3 +62,17 @@ def numbers_of(data):
 def test_a_sentence_says_each_number_of_the_model_by_its_name(name):
     document = bases()[name]
     assert numbers_in(document["statement"]) == numbers_of(document["data"])
+
+
+def other_way_round(value):
+    """The same JSON with the keys of every mapping in another order, as other programs write it."""
+    if isinstance(value, dict):
+        return {key: other_way_round(value[key]) for key in reversed(value)}
+    return [*map(other_way_round, value)] if isinstance(value, list) else value
+
+
+@pytest.mark.parametrize("name", ["stable", "own", "law pd", "pair", "R", "kicked", "in the bowl", "bowl pd"])
+def test_the_sentence_does_not_depend_on_the_order_of_keys(name):
+    """A proof that a program wrote with sorted keys, as it is hashed, was said not to follow from its data."""
+    document = bases()[name]
+    assert check(other_way_round(document)) == document["statement"]

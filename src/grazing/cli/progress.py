@@ -66,7 +66,7 @@ def counted(what: str, quiet: bool = False, then: str = "", first: str = "") -> 
     quiet : bool
         Show nothing.
     then : str
-        What follows when all are done, where that takes long; it may be counted too, to another total.
+        What follows when all are done, where that takes long; it may be counted too, up to a limit.
     first : str
         What is going on, said at once where no bar shows it and the first count may take long.
     """
@@ -101,13 +101,13 @@ def _counting_lines(what: str, then: str) -> Counted:
     """Return progress as a line now and then, ever more rarely, and one at the end."""
     start = last = time.monotonic()
     base: tuple[float, int] | None = None
-    wait, before = SOON, -1
+    wait, before, limited = SOON, -1, False
 
     def progress(done: int, total: int) -> None:
-        nonlocal base, before, last, what, then, wait
+        nonlocal base, before, last, limited, what, then, wait
         now = time.monotonic()
         if before not in (-1, total):  # what follows is counted as well
-            base, what, then = (last, 0), then or what, ""
+            base, what, then, limited = (last, 0), then or what, "", True
         before = total
         if base is None:  # compiling comes before it, and what a resumed sweep has already
             base = now, done
@@ -116,10 +116,10 @@ def _counting_lines(what: str, then: str) -> Counted:
         wait = wait if last == start else min(2.0 * wait, LATE)
         last = now
         width = len(str(total))
-        said = f"[{done:{width}}/{total}] {now - start:6.1f} s"
+        said = f"[{done:{width}}{' of at most ' if limited else '/'}{total}] {now - start:6.1f} s"
         if done > base[1]:
             rate = (done - base[1]) / max(now - base[0], 1e-9)
-            left = "" if done >= total else f", {duration((total - done) / rate)} left"
+            left = "" if done >= total or limited else f", {duration((total - done) / rate)} left"
             said += f"  {rate:.3g} {what}/s{left}"
         print(said + (f"; {then}" if then and done >= total else ""), file=sys.stderr, flush=True)
 
@@ -170,21 +170,22 @@ def _counting_bar(what: str, then: str) -> Iterator[Counted]:
 
     columns = (
         TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TextColumn("{task.fields[rate]}"),
-        TimeRemainingColumn(compact=True), TextColumn("left"),
+        TimeRemainingColumn(compact=True), TextColumn("{task.fields[left]}"),
     )  # fmt: skip
     with Bar(*columns, console=Console(stderr=True), transient=True, redirect_stdout=False) as bar:
-        task = bar.add_task(what, total=None, rate="")
-        before = -1
+        task = bar.add_task(what, total=None, rate="", left="left")
+        before, limited = -1, False
 
         def progress(done: int, total: int) -> None:
-            nonlocal before, what, then
+            nonlocal before, limited, what, then
             if before not in (-1, total):  # what follows is counted as well
-                what, then = then or what, ""
-                bar.reset(task)
+                what, then, limited = then or what, "", True
+                bar.reset(task, rate="", left="")
+                bar.tasks[0].total = None  # how much there will be is not known
             before = total
             speed = bar.tasks[0].speed
             shown = then if then and done >= total else what
             rate = f"{speed:.3g}/s" if speed else ""
-            bar.update(task, completed=done, total=total, description=shown, rate=rate)
+            bar.update(task, completed=done, total=None if limited else total, description=shown, rate=rate)
 
         yield progress
