@@ -82,6 +82,28 @@ def test_inside_a_window_flights_follow_the_word_and_beyond_its_edges_none_does(
             assert min(np.abs(root - want).min() for root in roots) < 1e-4
 
 
+def test_orbits_that_live_as_long_as_each_other_have_a_row_each():
+    """Two orbits, half a period apart, are stable over all of the range: they were one row."""
+    force, law = gz.Forcing(omega=2.0, cos=(0.01, 1.0)), gz.newton(0.6)
+    one = gz.Oscillator(alpha=0.1, k=1.0, forcing=force, reset=law)
+    walled = gz.Oscillator(alpha=0.1, k=1.0, forcing=force, walls=[gz.wall(0.0, law)])
+    known, found = (gz.windows(m, "r", 1, (0.55, 0.65), samples=s) for m, s in ((one, 50), (walled, 3)))
+    assert known.sizes["window"] == 2
+    for side in ("low_phase", "high_phase"):
+        assert sorted(found[side].values) == pytest.approx(sorted(known[side].values), abs=1e-9)
+
+
+def test_mirror_images_are_told_from_other_orbits():
+    """With s = 1/(3 pi) and L = 3 the impact pair has symmetric orbits; with L = 1.9 those whose symmetry is broken."""
+    P = gz.stroboscopic_map(pair())
+    for place, symmetric in ((1.5, True), (1.0, False)):
+        found = gz.periodic_orbits(P.replace(**{"A.sigma": -place, "B.sigma": place}), 1, word="(BA)", starts=60)
+        stable = [one for one in found if one.stable]
+        assert len(stable) == (1 if symmetric else 2) and all(one.symmetric is symmetric for one in stable)
+        assert word_windows.alike(stable[0], stable[-1])
+        assert not any(word_windows.alike(stable[0], one) for one in found if not one.stable)
+
+
 def test_a_graze_names_its_wall():
     found = gz.windows(rattle(), "omega", 1, (1.6, 1.9), samples=3, words="AB")
     (at,) = np.flatnonzero(found.low_type.values == "gr")

@@ -19,7 +19,7 @@ from grazing.orbits.branch import Branch, continuation
 from grazing.orbits.branch_search import Piece
 from grazing.orbits.branch_windows import windows_of_piece
 from grazing.orbits.closure import FIRED, PASSIVE, WHOLE
-from grazing.orbits.contacts import contacts_of, piece_of, pieces_of, wall_of
+from grazing.orbits.contacts import contacts_of, piece_of, pieces_of, sizes_of, wall_of
 from grazing.orbits.curves import Edge
 from grazing.orbits.finder import Tally
 from grazing.orbits.impact_equations import ImpactEquations
@@ -42,14 +42,18 @@ VALUES, STARTS, SEED = 16, 200, 0
 POINTS = 3000
 #: Impacts up to which flights become guesses, in a period and in all.
 PER_PERIOD, IN_ALL = 8, 40
-#: Windows whose ends differ by less, in parts of the range, are those of one orbit, or of its mirror image.
-ALIKE = 1e-9
+#: Windows whose ends differ by less, in parts of the range, are those of one orbit, or of its mirror image, if the
+#: orbits at these ends differ by less, in periods and speeds: beside a fold they move with the root of ALIKE.
+ALIKE, NEAR = 1e-9, 1e-3
 #: Orbits that are nearer to each other, in units of the map's box, are one.
 SAME = 1e-6
 
 
 class WordWindow(NamedTuple):
-    """A window of an orbit: its periods, its walls in order, its two ends, the walls grazed and its phases there."""
+    """A window of an orbit: its periods, its walls in order, its two ends, the walls grazed and its phases there.
+
+    ``orbit`` is one inside, ``last`` those at the two ends.
+    """
 
     N: int
     word: str
@@ -59,6 +63,7 @@ class WordWindow(NamedTuple):
     phases: tuple[float, float]
     symmetric: bool
     orbit: ImpactOrbit
+    last: tuple[ImpactOrbit, ImpactOrbit]
 
 
 def checked_words(model: Rig, words: Any) -> list[str]:
@@ -185,17 +190,18 @@ def windows_on(branch: Branch, names: str) -> Iterator[WordWindow]:
         word = order_of(piece.equations.walls, names)
         for one in windows_of_piece(piece):
             orbit = one.inner
+            begin, end = (piece.orbits[i] for i in one.at)
             if isinstance(orbit, ImpactOrbit) and one.low < one.high:
+                assert isinstance(begin, ImpactOrbit) and isinstance(end, ImpactOrbit)
                 (low, left), (high, right) = (_edge(branch, number, piece, i) for i in one.at)
-                phases = _phase(piece, one.at[0]), _phase(piece, one.at[1])
-                yield WordWindow(one.period, word, low, high, (left, right), phases, orbit.symmetric, orbit)
+                phases = _phase(piece.equations, begin), _phase(piece.equations, end)
+                last, symmetric = (begin, end), orbit.symmetric
+                yield WordWindow(one.period, word, low, high, (left, right), phases, symmetric, orbit, last)
 
 
-def _phase(piece: Piece, index: int) -> float:
-    """Return the phase of the forcing at the impact that begins the word, at an orbit of a piece."""
-    orbit = piece.orbits[index]
-    assert isinstance(orbit, ImpactOrbit) and isinstance(piece.equations, ImpactEquations)
-    walls, model = tuple(piece.equations.walls), orbit.model
+def _phase(equations: ImpactEquations, orbit: ImpactOrbit) -> float:
+    """Return the phase of the forcing at the impact that begins the word of an orbit."""
+    walls, model = tuple(equations.walls), orbit.model
     first = next(i for i in range(len(walls)) if walls[i:] + walls[:i] == least_rotation(walls))
     return float(model.params["omega"] * (orbit.times[first] + model.params["t0"]) % (2.0 * np.pi))
 
@@ -229,10 +235,35 @@ def distinct(found: Iterable[WordWindow], close: float) -> list[WordWindow]:
             (one.N, one.word) == (other.N, other.word)
             and abs(one.low.value - other.low.value) <= close
             and abs(one.high.value - other.high.value) <= close
+            and all(map(alike, one.last, other.last))
             for other in kept
         ):
             kept.append(one)
     return kept
+
+
+def alike(one: ImpactOrbit, other: ImpactOrbit) -> bool:
+    """Whether two orbits are one, or mirror images of each other, begun at any of the impacts."""
+    model = one.model
+    if agree(one, other, other.walls, 0.0):
+        return True
+    half, swapped = 0.5 * model.period / max(model.turns, 1), str.maketrans(model.names, model.names[::-1])
+    image = other.walls.translate(swapped)
+    return model.symmetric and any(agree(one, other, image, late) for late in (half, -half))
+
+
+def agree(one: ImpactOrbit, other: ImpactOrbit, walls: str, late: float) -> bool:
+    """Whether an orbit does what another one does at these walls, later by a given time and by whole periods."""
+    n, T, (_height, fast) = len(one.times), one.model.period, sizes_of(one.model)
+    times = np.append(other.times, other.times + one.period * T)
+    speeds = np.append(other.outgoing, other.outgoing)
+    for k in (k for k in range(n) if walls[k:] + walls[:k] == one.walls):
+        delays = times[k : k + n] - one.times - late
+        delays -= T * np.round(delays[0] / T)
+        slower = speeds[k : k + n] - one.outgoing
+        if (np.abs(delays) <= NEAR * T).all() and (np.abs(slower) <= NEAR * fast).all():
+            return True
+    return n == 0
 
 
 def piece_words(window: WordWindow, model: Rig) -> str:
