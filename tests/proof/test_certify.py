@@ -12,6 +12,7 @@ from grazing.orbits.signature import flown
 from grazing.orbits.windows import windows
 from grazing.proof.certify import certify
 from grazing.proof.check import check_certificate
+from grazing_checker import flight
 from tests.models import MODELS, TWO, TWO_HARMONICS, cubic
 from tests.proof.orbits import attractor, closed, doubled, without_impacts
 
@@ -34,6 +35,17 @@ def proven(orbit, law=None):
 
 def claimed(certificate, name):
     return [[float(x) for x in pair] for pair in certificate.claims[name]]
+
+
+@pytest.mark.parametrize("prove", [certify, lambda orbit: gz.enclose(orbit, "pd", "V")], ids=["orbit", "value"])
+def test_nothing_is_called_proven_that_takes_the_checker_too_much_work(prove, monkeypatch):
+    """The orbit without impacts in 430 periods was, and its certificate was refused."""
+    (orbit,) = gz.one_impact_orbits(gz.pinball(d=0.12, V=0.4), 3)
+    assert prove(orbit).proven
+    monkeypatch.setattr(flight, "MOST_WORK", 100_000)
+    refused = prove(orbit)
+    assert not refused.proven and refused.document is None
+    assert "the checker does not accept the certificate: checking it takes too much work" in refused.reason
 
 
 def test_the_stable_orbits_of_every_window_are_proven_stable_in_time(table):

@@ -42,8 +42,9 @@ from grazing.proof.report import (
 from grazing.proof.seen import Dual, Seen, alone
 from grazing.proof.table import prove_bounces
 from grazing.proof.text import below, enclosed, exact_text, short, write_certificate
-from grazing_checker.check import trusted_base
+from grazing_checker.check import check, trusted_base
 from grazing_checker.envelope import seal
+from grazing_checker.reading import Rejected
 from grazing_checker.sentence import active_harmonics, orbit_sentence, signature
 from grazing_checker.table import table_sentence
 
@@ -178,14 +179,13 @@ def certify_impacts(orbit: object) -> Certificate:
     kind = "periodic orbit" if alone(orbit.model) else "periodic orbit with walls"
     try:
         data, inequalities = at_some_precision(lambda bits: _proof(orbit, bits))
+        document = accepted(kind, orbit_sentence(data), data, inequalities)
     except Virtual as error:
         deep = f"; as computed, it is {orbit.depth:.6g} deep in a wall" if orbit.depth > 0.0 else ""
         return not_proven(name, NotProven(f"{error}{deep}"))
     except NotProven as error:
         return not_proven(name, error)
-    stability = data["claims"]["stability"]
-    statement = orbit_sentence(data)
-    document = seal(kind, statement, trusted_base(kind), data, inequalities)
+    stability, statement = data["claims"]["stability"], document["statement"]
     missing = "" if stability != "undecided" else _undecided_stability(data)
     said = "proven, stability undecided" if missing else f"proven {stability}"
     return Certificate(True, statement, missing, document, f"{name}, {said}")
@@ -196,10 +196,10 @@ def certify_bounces(orbit: BounceOrbit) -> Certificate:
     kind, name = "periodic orbit on a table", f"periodic orbit {orbit.word} on a table"
     try:
         data, inequalities = prove_bounces(orbit)
+        document = accepted(kind, table_sentence(data), data, inequalities)
     except NotProven as error:
         return not_proven(name, error)
-    statement, stability = table_sentence(data), data["claims"]["stability"]
-    document = seal(kind, statement, trusted_base(kind), data, inequalities)
+    statement, stability = document["statement"], data["claims"]["stability"]
     missing = "" if stability != "undecided" else UNDECIDED
     said = "proven, stability undecided" if missing else f"proven {stability}"
     return Certificate(True, statement, missing, document, f"{name}, {said}")
@@ -217,6 +217,22 @@ def with_impacts(orbit: object) -> ImpactOrbit:
         f"orbit is {shown(orbit)}; give a periodic orbit of the oscillator, "
         "such as one of gz.one_impact_orbits(model, N)"
     )
+
+
+def accepted(
+    kind: str, statement: str, data: dict[str, Any], inequalities: list[dict[str, Any]]
+) -> dict[str, Any]:  # fmt: skip
+    """Return a certificate that the checker accepts, or raise NotProven: what it does not follow is not called proven.
+
+    Its bounds on the work are of a whole certificate, those of the finder of one flight.
+    """
+    document = seal(kind, statement, trusted_base(kind), data, inequalities)
+    try:
+        with LOCK:
+            check(document)
+    except Rejected as error:
+        raise NotProven(f"the checker does not accept the certificate: {error}") from None
+    return document
 
 
 def not_proven(name: str, error: NotProven) -> Certificate:

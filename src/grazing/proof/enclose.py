@@ -17,6 +17,7 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
 from grazing.proof.certify import (
     Certificate,
+    accepted,
     at_some_precision,
     balls,
     guess_of,
@@ -34,8 +35,6 @@ from grazing.proof.search import TOUCH, Dip, Search, dips_of
 from grazing.proof.seen import alone
 from grazing.proof.table_value import prove_table_value
 from grazing.proof.text import about, enclosed, exact_text, short
-from grazing_checker.check import trusted_base
-from grazing_checker.envelope import seal
 from grazing_checker.sentence import EVENTS, signature, value_sentence
 from grazing_checker.table_value import table_value_sentence
 
@@ -112,11 +111,13 @@ def enclose(orbit: Orbit, kind: str, name: str) -> Certificate | GapProof:
                 "the multipliers of an orbit without impacts are those of the free ball; it has a graze only"
             )
         data, inequalities = at_some_precision(lambda bits: _proof(orbit, kind, name, bits))
+        of = "bifurcation value" if alone(model) else "bifurcation value with walls"
+        document = accepted(of, value_sentence(data), data, inequalities)
     except NotProven as error:
         return not_proven(title, error)
-    statement, of = value_sentence(data), "bifurcation value" if alone(model) else "bifurcation value with walls"
-    document = seal(of, statement, trusted_base(of), data, inequalities)
-    return Certificate(True, statement, "", document, f"{title}, {name} = {about(*data['claims']['value'])}")
+    return Certificate(
+        True, document["statement"], "", document, f"{title}, {name} = {about(*data['claims']['value'])}"
+    )
 
 
 def _gap_edge(orbit: Orbit, kind: str, name: str) -> GapProof:
@@ -137,11 +138,12 @@ def enclose_bounces(orbit: BounceOrbit, kind: str, name: str) -> Certificate:
     of, title = "bifurcation value on a table", f"{kind} of the periodic orbit {orbit.word} on a table"
     try:
         data, inequalities = prove_table_value(orbit, kind, name)
+        document = accepted(of, table_value_sentence(data), data, inequalities)
     except NotProven as error:
         return not_proven(title, error)
-    statement = table_value_sentence(data)
-    document = seal(of, statement, trusted_base(of), data, inequalities)
-    return Certificate(True, statement, "", document, f"{title}, {name} = {about(*data['claims']['value'])}")
+    return Certificate(
+        True, document["statement"], "", document, f"{title}, {name} = {about(*data['claims']['value'])}"
+    )
 
 
 def without_touches(orbit: ImpactOrbit, name: str) -> ImpactOrbit:
