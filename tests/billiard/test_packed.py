@@ -112,14 +112,14 @@ def test_few_balls_are_in_doubt_but_those_that_graze():
     table = gz.table([gz.disc("A", (5.0, 5.0), 1.0, gz.newton(1.0)), *box(20.0, 20.0)])
     block = table.blocks(table.row())[0]
 
-    def look(block, w):
-        contacts(numbers(w), LANES, numbers(block))
+    def look(block, w, width):  # given: a constant is a type of its own, for which all would be compiled again
+        contacts(numbers(w), width, numbers(block))
 
     w = np.zeros(room_for(int(block[CIRCLES])))
     height = np.concatenate([1.0 + np.geomspace(1e-12, 1.0, 31), [1.0], 1.0 - np.geomspace(1e-12, 0.9, 32)])
     w[W.X : W.X + LANES], w[W.Y : W.Y + LANES] = 15.0, 5.0 + height
     w[W.VX : W.VX + LANES], w[W.LEFT : W.LEFT + LANES] = -1.0, -1.0
-    call(compiled(look), block, w)
+    call(compiled(look), block, w, LANES)
     doubt, surface = w[W.DOUBT : W.DOUBT + LANES], w[W.SURFACE : W.SURFACE + LANES]
     assert doubt[31] == 1.0 and doubt.sum() == 1.0
     assert len(set(surface[:31])) == len(set(surface[32:])) == 1 and surface[0] != surface[-1]
@@ -132,8 +132,8 @@ def test_impacts_are_taken_side_by_side_but_those_that_may_be_none():
     table = gz.table([*things, gz.drain("out", (0.0, 0.0), (20.0, 0.0))], rho=0.1, tilt=0.5 * pi)
     block = table.blocks(table.row())[0]
 
-    def strike(block, w, n):
-        contacts(numbers(w), 8, numbers(block))
+    def strike(block, w, n, width):
+        contacts(numbers(w), width, numbers(block))
         impacts(numbers(w), n, numbers(block))
 
     w, n = np.zeros(room_for(int(block[CIRCLES]))), 7
@@ -141,10 +141,10 @@ def test_impacts_are_taken_side_by_side_but_those_that_may_be_none():
     starts = [(5.0, 8.0, 0.1, -1.0), (15.0, 8.0, 0.1, -1.0), (15.0, 5.0, -5.0, 0.1), (1.0, 9.0, -9.0, 0.0)]
     starts += [(10.0, 1.0, 0.0, 0.0), (5.0, 6.1 + 1e-11, 0.0, 0.0), (10.0, 10.0, np.nan, 0.0)]
     w[: 4 * LANES].reshape(4, LANES)[:, :n] = np.transpose(starts)
-    call(compiled(strike), block, w, n)
+    call(compiled(strike), block, w, n, 8)
     assert w[I.PLAIN : I.PLAIN + n].tolist() == [1.0] * 4 + [0.0] * 3
     assert w[I.PLAIN + n] == 0.0
-    call(compiled(strike), block, w, 3)  # so few are not looked at
+    call(compiled(strike), block, w, 3, 8)  # so few are not looked at
     assert not w[I.PLAIN : I.PLAIN + 8].any()
 
 

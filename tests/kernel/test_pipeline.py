@@ -10,8 +10,8 @@ import pytest
 from llvmlite import binding
 
 from grazing.kernel import compile as layer
-from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import inlined
+from grazing.kernel.compile import address, compiled
+from grazing.kernel.primitives import called, inlined
 from grazing.kernel.wide import plain
 
 WIDE = pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
@@ -33,6 +33,22 @@ def test_no_machine_code_is_made_of_what_is_only_linked():
     engine = entry.library._codegen._engine
     assert engine.is_symbol_defined(entry.fndesc.llvm_func_name)
     assert not engine.is_symbol_defined(found.fndesc.llvm_func_name)
+
+
+def test_of_a_kernel_that_is_reached_by_its_address_no_entry_for_python_is_made():
+    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")
+
+    def law(v, _row):
+        return -unseen * v
+
+    def calls(place, v):
+        return called(place, v, 0.0)
+
+    assert compiled(calls)(address(law, "value"), -2.0) == 2.0 * unseen
+    (found,) = (each for key, kept in layer._outer.items() if key[0] is law for each in kept.overloads.values())
+    engine = found.library._codegen._engine
+    assert engine.is_symbol_defined(found.fndesc.llvm_func_name)
+    assert not engine.is_symbol_defined(found.fndesc.llvm_cpython_wrapper_name)
 
 
 @WIDE

@@ -8,7 +8,9 @@ from hypothesis.extra.numpy import arrays
 
 import grazing as gz
 from grazing import theory
-from grazing.kernel.compile import call, compiled
+from grazing.kernel.compile import call
+from grazing.maps.derivative import extended
+from grazing.maps.map import kernels_of
 from grazing.studies import cycles
 from grazing.studies.classify import classify
 from grazing.studies.cycles import (
@@ -26,6 +28,7 @@ from grazing.studies.cycles import (
     solved,
 )
 from grazing.studies.recurrence import compiled_recurrence
+from tests.models import packed
 from tests.studies import twin
 from tests.studies.maps import FOLLOWER, HENON, LOGISTIC, SMOOTH, SPIRAL, linear_map, states_in
 
@@ -138,20 +141,13 @@ def test_the_norm_contracts_every_turn(d, radius):
 
 
 def search(P, state, letters, tolerance=1e-12):
-    """Run the finder from one state, with the letters of the next steps."""
-    derived = P.derivative(P.packed()[1][None])
-    find = finder(derived.tangent, P.dimension)
-    unpack, prepare = cycles.unpacker(derived.kind), derived.prepare
-
-    def run(row, x, s, N, tolerance, z, M):
-        c = unpack(row) if prepare is None else prepare(unpack(row))
-        return find(x, s, 0, N, c, tolerance, z, M, room_for(N, z.shape[0]))
-
+    """Run the finder from one state, with the letters of the next steps: as plain Python, which gives the same bits."""
+    find, c = finder(extended(kernels_of(P)[1]), P.dimension), packed(P)
     z, M = np.empty((P.dimension, 1)), np.empty((P.dimension, P.dimension))
     x = np.asarray(state, np.float64).reshape(1, -1, 1)
     s = np.asarray(letters, np.int64).reshape(-1, 1)
-    found = call(compiled(run, "strict"), derived.rows[0], x, s, len(s), np.full((P.dimension, 1), tolerance), z, M)
-    return found, z[:, 0], M
+    room = room_for(len(s), P.dimension)
+    return find(x, s, 0, len(s), c, np.full((P.dimension, 1), tolerance), z, M, room), z[:, 0], M
 
 
 @pytest.mark.parametrize(("N", "lam", "l"), [(2, 0.5, 0.1), (3, 0.8, 1.0), (4, 0.34, 0.21), (5, 0.9, 0.8)])

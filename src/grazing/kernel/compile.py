@@ -44,7 +44,7 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
 _lock = threading.RLock()
 _inner: dict[tuple[str, str], Any] = {}
-_outer: dict[tuple[FunctionType, str], Any] = {}
+_outer: dict[tuple[Callable[..., Any], str], Any] = {}
 
 
 class _Lost:
@@ -179,9 +179,11 @@ def address(function: Callable[..., Any], signature: str, arithmetic: str = "str
     if jit_disabled():
         pointed.append(function)
         return float(len(pointed) - 1)
-    wanted = signatures()[signature]
-    entry: Any = compiled(function, arithmetic)
+    wanted, key = signatures()[signature], (function, f"{arithmetic} by address")
     with _lock:
+        if key not in _outer:  # where it stays: its code must not go
+            _outer[key] = _jit(function, arithmetic, "entry", {}, python=False)  # type: ignore[arg-type]
+        entry = _outer[key]
         call(entry.compile, wanted.args, who=who)
         code = entry.overloads[wanted.args]
     if code.signature.return_type != wanted.return_type:  # what calls an address finds another type nowhere
@@ -225,7 +227,9 @@ def _first_sentence(error: Exception) -> str:
     return "; ".join(said + where) + ". Use arithmetic on floats, math functions and plain tuples only"
 
 
-def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, announce: str = "") -> Any:
+def _jit(
+    function: FunctionType, arithmetic: str, role: str, known: Known, announce: str = "", python: bool = True
+) -> Any:
     import numba
 
     if numba.config.DISABLE_JIT:
@@ -237,9 +241,10 @@ def _jit(function: FunctionType, arithmetic: str, role: str, known: Known, annou
     # Machine code from the disk brings its callees along, and the linker knows them by name only: two different
     # kernels must never share a name, whatever process compiled them.
     resolved.__qualname__ = resolved.__name__ = f"{function.__name__}_{arithmetic}_{content[:32]}"
-    # no C ever calls a kernel, and none but an entry Python: skipping the wrappers halves the compile time
+    # no C ever calls a kernel, and none but an entry Python, not even that if its address is what is wanted: skipping
+    # the wrappers halves the compile time
     options: dict[str, Any] = {"error_model": "numpy", "fastmath": FLAGS[arithmetic], "nogil": True}
-    options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": role != "entry"}
+    options |= {"no_cfunc_wrapper": True, "no_cpython_wrapper": role != "entry" or not python}
     # what is not said numba takes from who calls first, and writes it into the name that the linker knows: code, and
     # its speed, would depend on what was compiled before
     options["forceinline"] = getattr(function, "inlined", False)
