@@ -9,7 +9,7 @@ import pytest
 from llvmlite import binding
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import numbers
+from grazing.kernel.primitives import numbers, picked
 from grazing.kernel.turns import abreast, eights
 from grazing.kernel.wide import plain
 
@@ -124,6 +124,26 @@ def test_eight_turns_stand_side_by_side_where_rows_are_read_and_written():
     (found,) = entry.overloads.values()
     operations = re.findall(r"= ((?:fmul|fadd) <\d x double>)", found.library.get_llvm_str())
     assert {int(name[6]) * len(list(alike)) for name, alike in groupby(operations)} == {8}
+
+
+@pytest.mark.skipif(not FEATURES.get("avx2") or FEATURES.get("avx512f"), reason="of processors that have no masks")
+@pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
+def test_what_is_picked_is_neither_read_nor_written_by_a_mask():
+    def sweep(work, n):
+        w = numbers(work)
+        for k in range(n):
+            i = eights(k)
+            w[i] = picked(w[64 + i] > 0.0, w[128 + i], w[i])
+
+    sweep.__module__ = "grazing.tried"
+    work = np.random.default_rng(3).uniform(-0.9, 0.9, 192)
+    alone, entry = work.copy(), compiled(sweep)
+    sweep(alone, 64)
+    entry(work, 64)
+    assert np.array_equal(work, alone)
+    (found,) = entry.overloads.values()
+    text = found.library.get_asm_str()
+    assert "vblendvpd" in text and "maskmov" not in text
 
 
 def test_a_mark_outside_of_every_loop_is_no_matter():
