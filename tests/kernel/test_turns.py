@@ -9,7 +9,7 @@ import pytest
 from llvmlite import binding
 
 from grazing.kernel.compile import compiled
-from grazing.kernel.primitives import numbers
+from grazing.kernel.primitives import numbers, picked
 from grazing.kernel.turns import abreast, eights
 from grazing.kernel.wide import plain
 
@@ -98,6 +98,52 @@ def test_so_many_turns_stand_side_by_side(turns):
     (found,) = entry.overloads.values()
     operations = re.findall(r"= ((?:fmul|fadd) <\d x double>)", found.library.get_llvm_str())
     assert {int(name[6]) * len(list(alike)) for name, alike in groupby(operations)} == {turns}
+
+
+@pytest.mark.skipif(not FEATURES.get("avx2"), reason="counts registers of four numbers, or of eight")
+@pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
+def test_eight_turns_stand_side_by_side_where_rows_are_read_and_written():
+    """Rows lie one behind the other: of so many turns as are not known some might read what others write."""
+    unseen = float.fromhex(f"0x1.{os.urandom(4).hex()}p0")  # no kernel on the disk has it
+
+    def sweep(work, n):
+        w = numbers(work)
+        for k in range(n):
+            i = eights(k)
+            x, y = w[i], w[64 + i]
+            for _ in range(12):
+                x = x * y - unseen
+            w[64 + i], w[128 + i] = x, y
+
+    sweep.__module__ = "grazing.tried"  # marks count in kernels of the library
+    work = np.random.default_rng(3).uniform(-0.9, 0.9, 192)
+    alone, entry = work.copy(), compiled(sweep)
+    sweep(alone, 64)
+    entry(work, 64)
+    assert np.array_equal(work, alone)
+    (found,) = entry.overloads.values()
+    operations = re.findall(r"= ((?:fmul|fadd) <\d x double>)", found.library.get_llvm_str())
+    assert {int(name[6]) * len(list(alike)) for name, alike in groupby(operations)} == {8}
+
+
+@pytest.mark.skipif(not FEATURES.get("avx2") or FEATURES.get("avx512f"), reason="of processors that have no masks")
+@pytest.mark.skipif(bool(plain()), reason=f"plain forms are taken: {plain()}")
+def test_what_is_picked_is_neither_read_nor_written_by_a_mask():
+    def sweep(work, n):
+        w = numbers(work)
+        for k in range(n):
+            i = eights(k)
+            w[i] = picked(w[64 + i] > 0.0, w[128 + i], w[i])
+
+    sweep.__module__ = "grazing.tried"
+    work = np.random.default_rng(3).uniform(-0.9, 0.9, 192)
+    alone, entry = work.copy(), compiled(sweep)
+    sweep(alone, 64)
+    entry(work, 64)
+    assert np.array_equal(work, alone)
+    (found,) = entry.overloads.values()
+    text = found.library.get_asm_str()
+    assert "vblendvpd" in text and "maskmov" not in text
 
 
 def test_a_mark_outside_of_every_loop_is_no_matter():

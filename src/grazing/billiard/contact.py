@@ -146,7 +146,7 @@ def is_slow(left: float, v: Any, after: Any, g: float, length: float) -> Any:
     """Say whether a ball that left something is as slow before and after an impact as :func:`falls_out` asks."""
     x, y, vx, vy = after
     fast = max(v[0] * v[0] + v[1] * v[1], vx * vx + vy * vy)
-    return left >= 0.0 and fast <= SLOW * g * (abs(x) + abs(y) + length)
+    return (left >= 0.0) & (fast <= SLOW * g * (abs(x) + abs(y) + length))
 
 
 @inlined

@@ -267,17 +267,17 @@ def foot_at(t: float, late: float, along: Any, v: Any, face: Any, g: float) -> A
 
 @inlined
 def on_face(t: float, late: float, along: Any, v: Any, face: Any, g: float, end: float, slack: float) -> Any:
-    """Return (met, flags): whether a face is met at the time t, before ``end`` and between its ends.
+    """Return (met, unsure): whether a face is met at the time t, before ``end`` and between its ends.
 
     ``along`` is the ball's place as seen from the first end, ``face`` its direction, size and length; ``slack`` is how
     near to an end without a circle it is in doubt.
     """
     _ex, _ey, size, long = face
     foot, unsure = foot_at(t, late, along, v, face, g)
-    on = t < INFINITY and t <= end + late and foot >= -unsure and foot <= long + unsure
+    on = (t < INFINITY) & (t <= end + late) & (foot >= -unsure) & (foot <= long + unsure)
     near = unsure + slack
-    bare = on and size == 0.0 and (foot < near or foot > long - near)  # no circle is around that end
-    return on, AMBIGUOUS if bare else OK
+    bare = on & (size == 0.0) & ((foot < near) | (foot > long - near))  # no circle is around that end
+    return on, bare
 
 
 @inlined
@@ -288,19 +288,19 @@ def guess(along: Any, v: Any, face: Any, g: float, left: float, right: float, la
     ``right`` are the numbers of the sides.
     """
     (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
-    off, fresh = ey * dx - ex * dy, last == left or last == right
+    off, fresh = ey * dx - ex * dy, (last == left) | (last == right)
     surface = last if fresh else (right if off >= 0.0 else left)
     sign = 1.0 if surface == right else -1.0
-    h, dh, bend = 0.0 if fresh else sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
+    h, dh, bend = 0.0 if fresh else sign * off - size, sign * (ey * vx - ex * vy), sign * (0.5 * g * ex)
     D = dh * dh - 4.0 * bend * h
-    down = dh < 0.0 and not fresh
-    meets = D >= 0.0 and (down or bend < 0.0)
+    down = (dh < 0.0) & (not fresh)
+    meets = (D >= 0.0) & (down | (bend < 0.0))
     root = sqrt(max(D, 0.0))
     over, under = 2.0 * h if down else -0.5 * (dh + root), root - dh if down else bend
     t = over / (under if meets else 1.0)
     foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
-    stuck = fresh and rests(dh, bend, GAP * EPS * spread_of(dx, dy, size, long))
-    return t if meets and t >= 0.0 and foot >= 0.0 and foot <= long else INFINITY, surface, stuck
+    stuck = fresh & rests(dh, bend, GAP * EPS * spread_of(dx, dy, size, long))
+    return t if meets & (t >= 0.0) & (foot >= 0.0) & (foot <= long) else INFINITY, surface, stuck
 
 
 @inlined
@@ -312,12 +312,12 @@ def met_side(along: Any, v: Any, face: Any, g: float, surface: float, last: floa
     (dx, dy), (vx, vy), (ex, ey, size, long) = along, v, face
     sign, fresh = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0, last == surface
     off, e, d = ey * dx - ex * dy, GAP * EPS * spread_of(dx, dy, size, long), GAP * EPS * (abs(vx) + abs(vy))
-    h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * 0.5 * g * ex
-    t, late, said = face_root(h, rate, bend, e, d, fresh)
-    beside = CORNER * (e + GAP * EPS * (far + long)) if size == 0.0 and last >= 0.0 else 0.0
+    h, rate, bend = sign * off - size, sign * (ey * vx - ex * vy), sign * (0.5 * g * ex)
+    sure, t, late = face_root(h, rate, bend, e, d, fresh)
+    beside = CORNER * (e + GAP * EPS * (far + long)) if (size == 0.0) & (last >= 0.0) else 0.0
     on, unsure = on_face(t, late, along, v, face, g, INFINITY, beside)
-    deep = not fresh and (h < -e or abs(off) < beside)
-    return on and not deep and (said | unsure) == OK, t, late
+    deep = (last != surface) & ((h < -e) | (abs(off) < beside))
+    return sure & on & (not deep) & (not unsure), t, late
 
 
 @inlined
@@ -342,7 +342,7 @@ def passes(
     beside = max(min(foot, thence) - long, -max(foot, thence)) - abs(ey) * bow - unsure
     sign = 1.0 if last == right else -1.0
     leaves = min(sign * rate, sign * (rate + 0.5 * g * ex * t)) > 2.0 * GAP * EPS * speed
-    return end < INFINITY and (max(away, beside) > 0.0 or (leaves and (last == left or last == right)))
+    return (end < INFINITY) & ((max(away, beside) > 0.0) | (leaves & ((last == left) | (last == right))))
 
 
 def of_some_face(
@@ -402,7 +402,7 @@ def through_gate(found: Any, i: int, along: Any, v: Any, g: float, row: Any) -> 
     on, unsure = on_face(t, late, along, v, (ex, ey, 0.0, long), g, found[1] + found[2], 0.0)
     if on:
         found = nearer(found, 2 * i + (0 if sign < 0.0 else 1), row[OWNER], t, late)
-    return found[0], found[1], found[2], found[3], found[4] | said | unsure
+    return found[0], found[1], found[2], found[3], found[4] | said | (AMBIGUOUS if unsure else OK)
 
 
 @inlined
@@ -449,8 +449,8 @@ def of_face(
                 side = -1.0
                 if not (here and shut):
                     side = closing(last, faces, circles, rows, row, sign, far, here, wide)
-                on, unsure = (side > 0.0, OK) if side != 0.0 else (on, unsure)
+                on, unsure = (side > 0.0, False) if side != 0.0 else (on, unsure)
         if on:
             found = nearer(found, surface, row[OWNER], t, late)
-        found = found[0], found[1], found[2], found[3], found[4] | said | unsure
+        found = found[0], found[1], found[2], found[3], found[4] | said | (AMBIGUOUS if unsure else OK)
     return found

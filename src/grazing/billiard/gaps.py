@@ -28,8 +28,6 @@ LEAST = 1e-3
 ROOTS = 60
 #: What a look at a circle finds.
 ON, HIT, MISSED, NEAR = range(4)
-#: Of a flight that hardly comes down to a face.
-PRESSED = -1
 
 
 @inlined
@@ -55,7 +53,7 @@ def highest(c3: float, a4: float, w: float) -> float:
 def safe_step(h: float, dh: float, k: float) -> float:
     """Return the first root s > 0 of h + dh s + k s^2 with h >= 0, infinity for none; if h is 0, dh is not yet down."""
     D = dh * dh - 4.0 * k * h
-    if (dh >= 0.0 and k >= 0.0) or D < 0.0:
+    if ((dh >= 0.0) & (k >= 0.0)) | (D < 0.0):
         return INFINITY
     if not k > -INFINITY:
         return 0.0
@@ -66,7 +64,7 @@ def safe_step(h: float, dh: float, k: float) -> float:
 @inlined
 def rests(dh: float, k: float, e: float) -> bool:
     """Say whether a ball that leaves a surface at rate dh and is pulled back rises by less than can be told."""
-    return k < 0.0 and dh * dh <= -4.0 * k * e
+    return (k < 0.0) & (dh * dh <= -4.0 * k * e)
 
 
 @inlined
@@ -86,9 +84,8 @@ def nearer_root(s: float, a: float, b: float, h: float, dh: float, k: float, c3:
         b = s
     middle = 0.5 * (a + b)
     new = s - value / rate if rate < 0.0 else middle
-    if not a <= new <= b:
-        new = middle
-    return new, a, b, abs(new - s) <= 2.0 * EPS * s or not a < b
+    new = new if (a <= new) & (new <= b) else middle
+    return new, a, b, (abs(new - s) <= 2.0 * EPS * s) | (not a < b)
 
 
 @inlined
@@ -138,18 +135,18 @@ def seen(
     most = highest(3.0 * c3, 6.0 * a4, near) if sign > 0.0 else -lowest(3.0 * c3, 6.0 * a4, near)
     most = max(sign * bend + most * (1.0 + GAP * EPS) + b, 0.0)
     D = rate * rate - 4.0 * most * up
-    reach = 2.0 * up / (sqrt(D) - rate) if rate < 0.0 and up > 0.0 and D > 0.0 else INFINITY
+    reach = 2.0 * up / (sqrt(D) - rate) if (rate < 0.0) & (up > 0.0) & (D > 0.0) else INFINITY
     least = lowest(c3, a4, w) if sign > 0.0 else -highest(c3, a4, w)
     k = sign * bend + least - b
     step = safe_step(low, fall, k) * (1.0 - GAP * EPS) - 2.0 * EPS * t
-    finite = e < INFINITY and b < INFINITY
+    finite = (e < INFINITY) & (b < INFINITY)
     return (h, dh, sign * bend, sign * c3), (e, d, finite), (near, rate, up, reach), (w, low, fall, k, step)
 
 
 @inlined
 def lands(fresh: bool, near: float, rate: float, up: float, reach: float) -> Any:
     """Say whether a gap surely comes down to 0, and only once until ``near``."""
-    return not fresh and rate < 0.0 and (up <= 0.0 or reach <= near)
+    return (not fresh) & (rate < 0.0) & ((up <= 0.0) | (reach <= near))
 
 
 @inlined
@@ -212,10 +209,10 @@ def glance(dx: float, dy: float, vx: float, vy: float, g: float, size: float, t:
     (h, dh, bend, c3), (e, d, finite), (near, rate, up, reach), (w, low, _fall, _k, step) = seen(
         dx, dy, vx, vy, g, size, 1.0, t, False, end
     )
-    down, gone = lands(False, near, rate, up, reach), step >= w and t + w >= end
+    down, gone = lands(False, near, rate, up, reach), (step >= w) & (t + w >= end)
     what = (NEAR if h > 0.0 else HIT) if down else (MISSED if gone else ON)
     on, after = what == ON, t + min(step, w)
-    doubt = not finite or (on and (not after > t or low < e))
+    doubt = (not finite) | (on & ((not after > t) | (low < e)))
     return (what, after if on else t, doubt), (h, dh, bend, c3, reach), (e + d * near, rate)
 
 
@@ -243,25 +240,27 @@ def crossing(
 
 
 @inlined
+def face_doubt(h: float, dh: float, k: float, e: float, d: float) -> float:
+    """Return the error of the discriminant of a gap that is good to e and d per time."""
+    return 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
+
+
+@inlined
 def face_root(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
-    """Return what :func:`face_crossing` does but for flights that hardly come down to 0: those are PRESSED."""
-    if fresh and rests(dh, k, e):
-        return 0.0, 0.0, STUCK
-    D = dh * dh - 4.0 * k * h
-    unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
-    if k >= 0.0 and (fresh or dh >= 0.0):
-        return INFINITY, 0.0, OK
-    if not fresh and h < -e and (k >= 0.0 or dh <= 0.0 or D < 0.0):
-        return INFINITY, 0.0, OK
-    if not fresh and k > 0.0 and D <= unsure:
-        return INFINITY, 0.0, OK if D < -unsure else GRAZE | AMBIGUOUS
-    if not fresh and not D > 2.0 * unsure:  # sqrt(D - unsure) > 0.7 root beyond
-        return 0.0, 0.0, PRESSED
-    root = dh if fresh else sqrt(D)
-    down = dh < 0.0 and not fresh
-    t = max((2.0 * h if down else -(dh if fresh else 0.5 * (dh + root))) / (root - dh if down else k), 0.0)
-    late = (e if fresh else 1.5 * (e + d * t)) / root
-    return t, late if fresh else late + 4.0 * EPS * t, OK
+    """Return (sure, t, late): whether a flight surely comes down to 0, and does not hardly do so, and when.
+
+    All is computed at any rate, without a branch: what is not ``sure`` means nothing.
+    """
+    held, D = not fresh, dh * dh - 4.0 * k * h
+    unsure = face_doubt(h, dh, k, e, d)
+    away = ((k >= 0.0) & (fresh | (dh >= 0.0))) | (fresh & rests(dh, k, e))
+    behind = (h < -e) & ((k >= 0.0) | (dh <= 0.0))
+    sure = (not away) & (fresh | ((not behind) & (D > 2.0 * unsure)))  # sqrt(D - unsure) > 0.7 root
+    root, down = dh if fresh else sqrt(max(D, 0.0)), (dh < 0.0) & held
+    over, under = 2.0 * h if down else -(dh if fresh else 0.5 * (dh + root)), root - dh if down else k
+    t = max(over / (under if sure else 1.0), 0.0)
+    late = (e if fresh else 1.5 * (e + d * t)) / (root if sure else 1.0)
+    return sure, t, late if fresh else late + 4.0 * EPS * t
 
 
 def face_crossing(h: float, dh: float, k: float, e: float, d: float, fresh: bool) -> Any:
@@ -269,11 +268,17 @@ def face_crossing(h: float, dh: float, k: float, e: float, d: float, fresh: bool
 
     Infinity for never. h < 0 is allowed: it is behind the line, and may come before it and back.
     """
-    t, late, said = face_root(h, dh, k, e, d, fresh)
-    if said != PRESSED:
-        return t, late, said
-    unsure = 2.0 * abs(dh) * d + 4.0 * abs(k) * e + GAP * EPS * (dh * dh + 4.0 * abs(k * h))
-    root = sqrt(max(dh * dh - 4.0 * k * h, 0.0))  # pressed against it, or hardly moving at all
+    sure, t, late = face_root(h, dh, k, e, d, fresh)
+    if sure:
+        return t, late, OK
+    if fresh and rests(dh, k, e):
+        return 0.0, 0.0, STUCK
+    D, unsure = dh * dh - 4.0 * k * h, face_doubt(h, dh, k, e, d)
+    if (k >= 0.0 and (fresh or dh >= 0.0)) or (h < -e and (k >= 0.0 or dh <= 0.0 or D < 0.0)):
+        return INFINITY, 0.0, OK
+    if k > 0.0 and D <= unsure:
+        return INFINITY, 0.0, OK if D < -unsure else GRAZE | AMBIGUOUS
+    root = sqrt(max(D, 0.0))  # pressed against it, or hardly moving at all
     t = max(2.0 * h / (root - dh) if dh < 0.0 else -0.5 * (dh + root) / k, 0.0)
     return t, 3.0 * sqrt(unsure) / -k if k < 0.0 else t - max(h - e, 0.0) / (d - dh), OK
 
@@ -285,14 +290,11 @@ def first_step(dx: float, dy: float, vx: float, vy: float, g: float, size: float
     h, k = far2 - size * size, least - g * dy
     e, d = GAP * EPS * (2.0 * far2 + size * size), GAP * EPS * (abs(dx * vx) + abs(dy * vy))
     k -= GAP * EPS * (2.0 * (vx * vx + vy * vy) + g * (abs(dx) + abs(dy) + size))
-    low, fall = max(h - e, 0.0), dh - d
-    if fresh:
-        low, fall = 0.0, max(fall, 0.5 * dh, 0.0)
-        if rests(dh, vx * vx + vy * vy - g * dy, e):
-            return 0.0, STUCK
-    elif h < -DEEP * e:
-        return 0.0, INSIDE_WALL
-    return safe_step(low, fall, k) * (1.0 - GAP * EPS), OK
+    low, fall = 0.0 if fresh else max(h - e, 0.0), dh - d
+    fall = max(fall, 0.5 * dh, 0.0) if fresh else fall
+    stuck, inside = fresh & rests(dh, vx * vx + vy * vy - g * dy, e), (not fresh) & (h < -DEEP * e)
+    step = 0.0 if stuck | inside else safe_step(low, fall, k) * (1.0 - GAP * EPS)
+    return step, STUCK if stuck else (INSIDE_WALL if inside else OK)
 
 
 def slid_off(dx: float, dy: float, vx: float, vy: float, g: float, size: float, sign: float) -> Any:

@@ -48,7 +48,7 @@ from grazing.billiard.rows import (
     WIDTH,
 )  # fmt: skip
 from grazing.billiard.workspace import LANES, I, W
-from grazing.kernel.primitives import behind, inlined, unit
+from grazing.kernel.primitives import behind, inlined, picked, unit
 from grazing.kernel.turns import eights
 from grazing.kernel.vectors import listed
 from grazing.outcome import ESCAPED, FATAL, OK
@@ -182,11 +182,11 @@ def impacts(w: Any, n: int, table: Any) -> None:
     for k in range(width):
         i = eights(k)
         surface, px, py, size, plain = w[W.SURFACE + i], w[I.PX + i], w[I.PY + i], w[I.SIZE + i], w[I.PLAIN + i] > 0.0
-        t, flat = w[W.TIME + i] if plain else 0.0, surface < round_ones or not plain
+        t, flat = picked(plain, w[W.TIME + i], 0.0), (surface < round_ones) | (not plain)
         x, y, vx, vy = flown(w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], g, t)
         side = 4.0 * (0.5 * surface - floor(0.5 * surface)) - 1.0
         ax, ay, (anx, any_, abend, omega, ux, uy) = at_line(x, y, px, py, size, w[I.EX + i], w[I.EY + i], side)
-        inside = w[I.EY + i] if surface >= arcs else 1.0
+        inside = picked(surface >= arcs, w[I.EY + i], 1.0)
         cx, cy, (cnx, cny, cbend, _omega, _ux, _uy) = at_circle(
             x, y, x - 1.0 if flat else px, py, 1.0 if flat else size, inside
         )
@@ -205,9 +205,9 @@ def impacts(w: Any, n: int, table: Any) -> None:
         after = w[I.X + i], w[I.Y + i], vx, vy
         settles, _most, _press = may_settle(after, (before, away, along, *frame), g, length)
         slow = is_slow(w[W.LEFT + i], (w[I.BVX + i], w[I.BVY + i]), after, g, length)
-        plain = away >= 0.0 and away < INFINITY and not settles and not slow
-        plain = plain and not takes_no_time(w[W.TIME + i], after, g, length)
-        w[I.VX + i], w[I.VY + i], w[I.PLAIN + i] = vx, vy, w[I.PLAIN + i] if plain else 0.0
+        plain = (away >= 0.0) & (away < INFINITY) & (not settles) & (not slow)
+        plain = plain & (not takes_no_time(w[W.TIME + i], after, g, length))
+        w[I.VX + i], w[I.VY + i], w[I.PLAIN + i] = vx, vy, picked(plain, w[I.PLAIN + i], 0.0)
 
 
 @inlined
@@ -216,8 +216,8 @@ def begin(w: Any, width: int, g: float, surfaces: int) -> None:
     for k in range(width):
         i = eights(k)
         fast = abs(w[W.VX + i]) + abs(w[W.VY + i])
-        fits = abs(w[W.X + i]) + abs(w[W.Y + i]) <= MOST and fast <= MOST and (g != 0.0 or fast >= LEAST)
-        fits = fits and w[W.LEFT + i] == floor(w[W.LEFT + i])  # else it slides, or slid off something
+        fits = (abs(w[W.X + i]) + abs(w[W.Y + i]) <= MOST) & (fast <= MOST) & ((g != 0.0) | (fast >= LEAST))
+        fits = fits & (w[W.LEFT + i] == floor(w[W.LEFT + i]))  # else it slides, or slid off something
         w[W.DOUBT + i] = 0.0 if fits else 1.0
         w[W.SURFACE + i], w[W.TIME + i], w[W.LATE + i], w[W.WHO + i] = -1.0, INFINITY, 0.0, -1.0
         w[W.LAST + i] = -1.0 if w[W.LEFT + i] >= surfaces else w[W.LEFT + i]
@@ -272,10 +272,10 @@ def guess_face(w: Any, width: int, f: int, row: Any, g: float) -> None:
         i = eights(k)
         along, v, left = (w[W.X + i] - px, w[W.Y + i] - py), (w[W.VX + i], w[W.VY + i]), 2.0 * f
         t, surface, stuck = guess(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i])
-        w[W.DOUBT + i] = 1.0 if stuck else w[W.DOUBT + i]
         soonest = w[W.STEP + i]
-        w[W.STEP + i] = t if t < soonest else soonest
-        w[W.FIRST + i] = surface if t < soonest else w[W.FIRST + i]
+        w[W.DOUBT + i] = picked(stuck, 1.0, w[W.DOUBT + i])
+        w[W.STEP + i] = picked(t < soonest, t, soonest)
+        w[W.FIRST + i] = picked(t < soonest, surface, w[W.FIRST + i])
 
 
 @inlined
@@ -286,9 +286,9 @@ def meet_face(w: Any, width: int, g: float) -> None:
         along, v = (w[W.DX + i], w[W.DY + i]), (w[W.VX + i], w[W.VY + i])
         face, side = (w[W.PEX + i], w[W.PEY + i], w[W.PSIZE + i], w[W.PEND + i]), w[W.FIRST + i]
         sure, t, late = met_side(along, v, face, g, side, w[W.LAST + i], abs(w[W.X + i]) + abs(w[W.Y + i]))
-        met = sure and side >= 0.0
-        w[W.SURFACE + i], w[W.TIME + i] = side if met else -1.0, t if met else INFINITY
-        w[W.LATE + i], w[W.WHO + i] = late if met else 0.0, w[W.PWHO + i] if met else -1.0
+        met = sure & (side >= 0.0)
+        w[W.SURFACE + i], w[W.TIME + i] = picked(met, side, -1.0), picked(met, t, INFINITY)
+        w[W.LATE + i], w[W.WHO + i] = picked(met, late, 0.0), picked(met, w[W.PWHO + i], -1.0)
 
 
 @inlined
@@ -299,9 +299,9 @@ def pass_face(w: Any, width: int, f: int, row: Any, g: float) -> Any:
         i = eights(k)
         x, y, left = w[W.X + i], w[W.Y + i], 2.0 * f
         along, v, far = (x - px, y - py), (w[W.VX + i], w[W.VY + i]), abs(x) + abs(y)
-        end, itself = w[W.TIME + i] + w[W.LATE + i], w[W.SURFACE + i] == left or w[W.SURFACE + i] == left + 1.0
+        end, itself = w[W.TIME + i] + w[W.LATE + i], (w[W.SURFACE + i] == left) | (w[W.SURFACE + i] == left + 1.0)
         passed = passes(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i], end, far)
-        w[W.ONE + i] = 0.0 if passed or itself else 1.0
+        w[W.ONE + i] = 0.0 if passed | itself else 1.0
     some = 0
     for k in range(width):
         some |= 1 if w[W.ONE + eights(k)] > 0.0 else 0
@@ -414,7 +414,7 @@ def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, 
     """March to circles, the nearest one of each ball first: it brings the end forward for all others on the list."""
     for k in range(width):
         i = eights(k)
-        w[W.ONE + i] = 1.0 if w[W.FIRST + i] >= 0.0 and w[W.DOUBT + i] <= 0.0 else 0.0
+        w[W.ONE + i] = 1.0 if (w[W.FIRST + i] >= 0.0) & (w[W.DOUBT + i] <= 0.0) else 0.0
     n = chosen(w, width)
     for k in range(n):
         i = int(w[W.BALL + k])
@@ -500,13 +500,13 @@ def look_at(w: Any, b: int, g: float) -> None:
         (what, t, doubt), (h, dh, bend, c3, reach), (error, rate) = glance(
             w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], begin, w[W.PEND + i]
         )
-        w[W.PTIME + i] = t if on else begin
-        w[W.PLATE + i], w[W.RATE + i] = error if on else w[W.PLATE + i], rate if on else w[W.RATE + i]
-        w[W.H + i], w[W.DH + i] = h if on else w[W.H + i], dh if on else w[W.DH + i]
-        w[W.K + i], w[W.C3 + i] = bend if on else w[W.K + i], c3 if on else w[W.C3 + i]
-        w[W.REACH + i] = reach if on else w[W.REACH + i]
-        w[W.SAID + i] = 1.0 if on and doubt else w[W.SAID + i]
-        w[W.WHAT + i] = 1.0 * what if on else w[W.WHAT + i]
+        w[W.PTIME + i] = picked(on, t, begin)
+        w[W.PLATE + i], w[W.RATE + i] = picked(on, error, w[W.PLATE + i]), picked(on, rate, w[W.RATE + i])
+        w[W.H + i], w[W.DH + i] = picked(on, h, w[W.H + i]), picked(on, dh, w[W.DH + i])
+        w[W.K + i], w[W.C3 + i] = picked(on, bend, w[W.K + i]), picked(on, c3, w[W.C3 + i])
+        w[W.REACH + i] = picked(on, reach, w[W.REACH + i])
+        w[W.SAID + i] = picked(on & doubt, 1.0, w[W.SAID + i])
+        w[W.WHAT + i] = picked(on, 1.0 * what, w[W.WHAT + i])
 
 
 @inlined

@@ -27,6 +27,15 @@ def replaced(items: tuple[float, ...], index: int, value: float) -> tuple[float,
     return (*items[:index], value, *items[index + 1 :])
 
 
+def picked(condition: bool, yes: float, no: float) -> float:
+    """Return one of two numbers; compiled code has both at hand, and takes no branch for one of them.
+
+    A compiler makes a branch of ``yes if condition else no`` where one of them is read from memory, and of that branch
+    vectors that are read and written by a mask, which takes many times as long.
+    """
+    return yes if condition else no
+
+
 def power_of_two(exponent: float) -> float:
     """Return 2**exponent for an integral exponent in [-1022, 1023]."""
     return math.ldexp(1.0, int(exponent))
@@ -179,6 +188,16 @@ def register() -> None:
             return builder.load(slot)
 
         return items(items, index, items.dtype), code
+
+    @compiled_form(picked)
+    def selected(_context: Any, condition: Any, yes: Any, no: Any) -> Any:
+        def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
+            kept = [ir.Instruction(builder.block, each.type, "freeze", [each]) for each in args[1:]]
+            for each in kept:
+                builder._insert(each)
+            return builder.select(args[0], *kept)
+
+        return types.float64(types.boolean, types.float64, types.float64), code
 
     @compiled_form(power_of_two)
     def shifted_exponent(_context: Any, exponent: Any) -> Any:

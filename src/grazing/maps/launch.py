@@ -18,7 +18,7 @@ from grazing.billiard.rows import CIRCLES
 from grazing.billiard.workspace import LANES, I, W, room_for
 from grazing.kernel.compile import compiled
 from grazing.kernel.elementary import sincos
-from grazing.kernel.primitives import inlined, numbers, numbers_at
+from grazing.kernel.primitives import inlined, numbers, numbers_at, picked
 from grazing.kernel.turns import eights
 from grazing.maps.collide import Kernels
 from grazing.outcome import ESCAPED, FATAL, OK, TOO_MANY_IMPACTS
@@ -212,12 +212,12 @@ def went_on(w: Any, n: int, most: int) -> None:
     """Take balls over plain impacts, but for their last one; the others are then not PLAIN."""
     for k in range((n + 7) // 8 * 8):
         i = eights(k)
-        goes = w[I.PLAIN + i] > 0.0 and w[W.HITS + i] < most
+        goes = (w[I.PLAIN + i] > 0.0) & (w[W.HITS + i] < most)
         w[I.PLAIN + i] = 1.0 if goes else 0.0
-        w[W.X + i], w[W.Y + i] = w[I.X + i] if goes else w[W.X + i], w[I.Y + i] if goes else w[W.Y + i]
-        w[W.VX + i], w[W.VY + i] = w[I.VX + i] if goes else w[W.VX + i], w[I.VY + i] if goes else w[W.VY + i]
-        w[W.CLOCK + i] = w[W.CLOCK + i] + (w[W.TIME + i] if goes else 0.0)
-        w[W.LEFT + i] = w[W.SURFACE + i] if goes else w[W.LEFT + i]
+        w[W.X + i], w[W.Y + i] = picked(goes, w[I.X + i], w[W.X + i]), picked(goes, w[I.Y + i], w[W.Y + i])
+        w[W.VX + i], w[W.VY + i] = picked(goes, w[I.VX + i], w[W.VX + i]), picked(goes, w[I.VY + i], w[W.VY + i])
+        w[W.CLOCK + i] = w[W.CLOCK + i] + picked(goes, w[W.TIME + i], 0.0)
+        w[W.LEFT + i] = picked(goes, w[W.SURFACE + i], w[W.LEFT + i])
         w[W.HITS + i] = w[W.HITS + i] + (1.0 if goes else 0.0)
 
 

@@ -29,6 +29,14 @@ compiled_form(abreast)(_marking(4))
 compiled_form(eights)(_marking(8))
 
 
+class Apart(ir.MDValue):  # type: ignore[misc]
+    """A node that equals no other."""
+
+    def descr(self, buf: Any) -> None:
+        """Write what stands behind its name."""
+        buf += ("distinct !{}", "\n")
+
+
 def take_at_once(function: Any, entry: Any) -> None:
     """Tell the compiler, at the loops of a function in its intermediate form, what the marks in it ask for."""
     marked = [block for block in function.blocks if hasattr(block, "vectors")]
@@ -49,11 +57,18 @@ def take_at_once(function: Any, entry: Any) -> None:
             continue
         loop = min(around, key=lambda each: len(each.body))
         width, vectors = block.vectors
+        # that turns are independent is said, too: of rows one behind the other LLVM cannot tell, and takes one vector
+        apart = Apart(function.module, (), str(len(function.module.metadata)))
+        for inside in loop.body:
+            for each in inside.instructions:
+                if isinstance(each, (ir.LoadInstr, ir.StoreInstr, ir.CallInstr)):
+                    each.set_metadata("llvm.access.group", apart)
         said = function.module.add_metadata([f"loop {len(function.module.metadata)}"])  # equal nodes would be one
         wishes = (
             # how wide is said, too: of a register of eight LLVM takes half where it thinks that all would slow it down
             ["llvm.loop.vectorize.width", ir.Constant(ir.IntType(32), width)],
             ["llvm.loop.interleave.count", ir.Constant(ir.IntType(32), vectors)],
+            ["llvm.loop.parallel_accesses", apart],
             ["llvm.loop.unroll.disable"],  # or a short loop is unrolled before it is made one of vectors
         )
         said.operands = (said, *(function.module.add_metadata(wish) for wish in wishes))

@@ -8,7 +8,6 @@ from llvmlite import ir
 from numba import types
 
 from grazing.kernel.primitives import compiled_form
-from grazing.kernel.private import cgutils
 from grazing.kernel.vectors import WHOLE_BITS, listed, transposed
 from grazing.kernel.wide.simd import Lanes, Memory, constant, equal, short, whole
 
@@ -39,16 +38,26 @@ def _transposing(_context: Any, work: Any, to: Any, step: Any, table: Any, where
     return types.void(work, n, n, table, n, n), code
 
 
+def listings(module: Any) -> Any:
+    """Return a table: of each eight bits, the lowest first, the places of those that are set, then zeros."""
+    kind = ir.ArrayType(ir.VectorType(ir.IntType(8), 8), 256)
+    if "listings" not in module.globals:
+        table = ir.GlobalVariable(module, kind, "listings")
+        table.linkage, table.global_constant = "internal", True
+        set_bits = ([k for k in range(8) if bits >> k & 1] for bits in range(256))
+        table.initializer = kind([kind.element((each + [0] * 8)[:8]) for each in set_bits])
+    return module.globals["listings"]
+
+
 @compiled_form(listed)
 def _listing(_context: Any, work: Any, to: Any, flags: Any, first: Any) -> Any:
     def code(_ctx: Any, builder: Any, _signature: Any, args: Any) -> Any:
         lanes, byte = Memory(builder, args[0], 8), ir.IntType(8)
         mask = builder.fcmp_ordered(">", lanes.load(args[2]).value, constant(builder, 0.0, 8).value)
-        places = Lanes(builder, ir.Constant(lanes.kind, [float(k) for k in range(8)]))
-        given = [(equal(builder, args[3], 8) + places).value, mask, ir.Constant(lanes.kind, ir.Undefined)]
-        kind = ir.FunctionType(lanes.kind, [one.type for one in given])
-        compress = cgutils.get_or_insert_function(builder.module, kind, "llvm.experimental.vector.compress.v8f64")
-        lanes.store(Lanes(builder, builder.call(compress, given)), args[1])
-        return builder.zext(builder.ctpop(builder.bitcast(mask, byte)), whole)
+        bits = builder.bitcast(mask, byte)
+        places = builder.load(builder.gep(listings(builder.module), [short(0), builder.zext(bits, whole)]))
+        numbers = Lanes(builder, builder.uitofp(places, lanes.kind))
+        lanes.store(equal(builder, args[3], 8) + numbers, args[1])
+        return builder.zext(builder.ctpop(bits), whole)
 
     return n(work, n, n, types.float64), code
