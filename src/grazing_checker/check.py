@@ -8,7 +8,9 @@ from typing import Any, NamedTuple
 
 from grazing_checker.envelope import VERSION, opened
 from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
+from grazing_checker.law import law_values
 from grazing_checker.orbit import check_orbit, check_walled_orbit
+from grazing_checker.plane import SHAPES
 from grazing_checker.reading import Rejected, demand, quoted
 from grazing_checker.table import check_table_orbit
 from grazing_checker.table_value import check_table_value
@@ -83,8 +85,11 @@ def check(certificate: str | Path | Mapping[str, Any]) -> str:
     document = opened(certificate)
     kind = document["kind"]
     demand(kind in KINDS, f"its kind is {quoted(kind)}; allowed are {', '.join(KINDS)}")
+    data, rows = document["data"], document["inequalities"]
     try:
-        said = KINDS[kind].check(document["data"], document["inequalities"])
+        said = KINDS[kind].check(data, rows)
+        if said != document["statement"]:
+            said = KINDS[kind].check(in_order(data), rows)
     except Rejected:
         raise
     except Exception as error:  # the data are not ours: whatever they break, they prove nothing
@@ -92,3 +97,20 @@ def check(certificate: str | Path | Mapping[str, Any]) -> str:
     demand(document["trusted_base"] == trusted_base(kind), "the trusted base is not that of this checker")
     demand(document["statement"] == said, f"the statement does not follow from the data; what follows is: {said}")
     return said
+
+
+def in_order(data: Any) -> Any:
+    """Return data with the parameters of each law as its formula names them, and the numbers of shapes by their kind.
+
+    A sentence lists them as the file does. Another program may have put the keys of a file in another order.
+    """
+    if isinstance(data, list):
+        return [in_order(each) for each in data]
+    if not isinstance(data, Mapping):
+        return data
+    found = {name: in_order(each) for name, each in data.items()}
+    if {"parameters", "after"} <= found.keys():
+        found["parameters"] = law_values(found)
+    if {"kind", "shape"} <= found.keys():
+        found["shape"] = {name: found["shape"][name] for name in SHAPES[found["kind"]]}
+    return found

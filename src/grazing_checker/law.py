@@ -156,10 +156,7 @@ def law_text(tree: Any) -> str:
 
 
 def law_values(law: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the parameters of a law in the order in which its formula names them, then any others by their names.
-
-    A file may list them in any order; what is said of them is the same.
-    """
+    """Return the parameters of a law in the order in which its formula names them, then any others by their names."""
     named = re.findall(r"\bp\.(\w+)", law_text(law["after"]))
     return {name: law["parameters"][name] for name in dict.fromkeys([*named, *sorted(law["parameters"])])}
 

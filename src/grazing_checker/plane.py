@@ -23,7 +23,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any, NamedTuple
 
 from grazing_checker.balls import Ball, around, double, number
-from grazing_checker.law import Jet, check_law, evaluate, law_text, law_values
+from grazing_checker.law import Jet, check_law, evaluate, law_text
 from grazing_checker.reading import demand, keys, quoted, text_of_double
 
 SHAPES = {
@@ -324,10 +324,10 @@ def words(things: Sequence[Any]) -> str:
     """Return objects in words."""
     said = []
     for one in things:
-        numbers = values_text({name: one["shape"][name] for name in SHAPES[one["kind"]]})
+        numbers = values_text(one["shape"])
         law = ", met where the centre of the ball is on it"
         if "law" in one:
-            inside = values_text(law_values(one["law"]), "p.")
+            inside = values_text(one["law"]["parameters"], "p.")
             law = f", which makes {law_text(one['law']['after'])} of v{f' with {inside}' if inside else ''}"
         said.append(f'the {one["kind"]} "{one["name"]}" ({numbers}){law}')
     return "; ".join(said)

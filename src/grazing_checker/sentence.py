@@ -9,7 +9,7 @@ from collections.abc import Mapping, Sequence
 from math import gcd
 from typing import Any
 
-from grazing_checker.law import law_text, law_values
+from grazing_checker.law import law_text
 
 STABILITY = {
     "stable": "it is asymptotically stable: both multipliers are inside the unit circle",
@@ -37,7 +37,7 @@ def model_text(data: Mapping[str, Any]) -> str:
     for j, (c, s) in enumerate(zip(model["cos"], model["sin"], strict=True), start=1):
         flat |= {f"cos_{j}": c, f"sin_{j}": s}
     said = [f"{name} = {float.fromhex(x)!r}" for name, x in flat.items() if x is not None]
-    inside = [f"p.{name} = {float.fromhex(x)!r}" for name, x in law_values(law).items() if x is not None]
+    inside = [f"p.{name} = {float.fromhex(x)!r}" for name, x in law["parameters"].items() if x is not None]
     return (
         f"the oscillator u'' + alpha u' + k^2 u = {constant} + sum over j of cos_j cos(j omega (t + t0)) + "
         f"sin_j sin(j omega (t + t0)), u > sigma, with {', '.join(said)} and T = 2 pi/omega, where an impact with "
@@ -80,7 +80,7 @@ def _wall_text(wall: Mapping[str, Any]) -> str:
     place = f"{front}sigma{f' + {_series(front)}' if wall['cos'] else ''}"
     speed = f"u' - z_{name}'" if below else f"z_{name}' - u'"
     known = _values({f"{front}sigma": wall["sigma"]} | _amplitudes(wall))
-    inside = _values({f"p.{key}": x for key, x in law_values(law).items()})
+    inside = _values({f"p.{key}": x for key, x in law["parameters"].items()})
     return (
         f'u {">" if below else "<"} z_{name} at the wall "{name}", z_{name} = {place}{known and f" with {known}"}, '
         f"where an impact with {speed} = v < 0 makes {speed} = {law_text(law['after'])}{inside and f' with {inside}'}"

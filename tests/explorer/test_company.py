@@ -245,6 +245,13 @@ def test_the_rate_is_that_of_the_parameters_now(shown, address):
     assert shown.page.inner_text("#rate") == ""
 
 
+def test_a_ball_that_is_stopped_is_measured_to_the_end(shown, address):
+    shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.12&twin=yes")
+    shown.until(f"() => {BALL}.company.rate.turns")
+    shown.page.evaluate(f"() => {{ {BALL}.play(true); {BALL}.company.begin(); {BALL}.play(false); }}")
+    shown.until(f"() => {BALL}.company.rate.turns === 1000")
+
+
 def test_chatter_brings_balls_together_without_end(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20&sigma=-0.3&V=0&r=0.3&offset=-0.5&twin=yes")
     faster(shown)
@@ -267,7 +274,7 @@ def test_a_twin_that_parts_on_a_stable_orbit_is_explained_and_stops_nothing(show
     shown.until(f"() => {BALL}.company.rate.turns >= 100")
     shown.page.evaluate(f"() => {{ Object.assign({BALL}.company.twin, {{ parted: 2.4, met: 6.1 }}); }}")
     told = (
-        "The twin, begun 1 % of the picture away and so less near, parted within 3 pushes. It was back after 7 pushes."
+        "The twin, begun 1 % of the picture away, too far for that, parted within 3 pushes. It was back after 7 pushes."
     )
     shown.until(f"() => document.getElementById('rate').textContent.endsWith('{told}')")
     assert shown.page.evaluate(f"() => {BALL}.playing")

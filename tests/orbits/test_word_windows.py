@@ -1,6 +1,7 @@
 """Windows between walls: the impact pair in closed form, windows over one wall, and flights on either side."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -102,6 +103,25 @@ def test_mirror_images_are_told_from_other_orbits():
         assert len(stable) == (1 if symmetric else 2) and all(one.symmetric is symmetric for one in stable)
         assert word_windows.alike(stable[0], stable[-1])
         assert not any(word_windows.alike(stable[0], one) for one in found if not one.stable)
+
+
+def test_all_mirror_images_are_images_where_what_moves_repeats_itself_in_a_period():
+    """Moved three times a period, an orbit has an image at each odd sixth of it: which came first decided the rows."""
+    P = gz.stroboscopic_map(pair()).replace(**{"A.sigma": -1.0, "B.sigma": 1.0})
+    one, other = (each for each in gz.periodic_orbits(P, 1, word="(BA)", starts=60) if each.stable)
+    often = gz.Forcing(omega=1.0 / 3.0, sin=(0.0, 0.0, 1.0), cos=())
+    walls = [gz.wall(side, gz.newton(0.5), motion=often) for side in (-1.0, 1.0)]
+    slow = gz.stroboscopic_map(gz.Oscillator(0.0, k=0.0, forcing=gz.Forcing(omega=1.0 / 3.0, cos=()), walls=walls))
+
+    def subharmonic(orbit, third, faster):
+        """As if one of six impacts were faster: in three turns from some third of a period on."""
+        times = np.concatenate([orbit.times + 2.0 * math.pi * turn for turn in range(third, third + 3)])
+        speeds = np.tile(orbit.outgoing, 3) * np.where(np.arange(6) == faster, 1.1, 1.0)
+        return replace(orbit, map=slow, times=times, outgoing=speeds, walls=3 * orbit.walls)
+
+    for third in (0, 1, 2):
+        assert word_windows.alike(subharmonic(one, 0, 4), subharmonic(other, third, 5))  # that hits B at A's times
+        assert word_windows.alike(subharmonic(one, 0, 4), subharmonic(one, third, 4)) is (third == 0)
 
 
 def test_a_graze_names_its_wall():

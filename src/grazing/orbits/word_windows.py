@@ -247,9 +247,10 @@ def alike(one: ImpactOrbit, other: ImpactOrbit) -> bool:
     model = one.model
     if agree(one, other, other.walls, 0.0):
         return True
-    half, swapped = 0.5 * model.period / max(model.turns, 1), str.maketrans(model.names, model.names[::-1])
-    image = other.walls.translate(swapped)
-    return model.symmetric and any(agree(one, other, image, late) for late in (half, -half))
+    turns = max(model.turns, 1)
+    image = other.walls.translate(str.maketrans(model.names, model.names[::-1]))
+    later = (0.5 * model.period * odd / turns for odd in range(1, 2 * turns, 2))
+    return model.symmetric and any(agree(one, other, image, late) for late in later)
 
 
 def agree(one: ImpactOrbit, other: ImpactOrbit, walls: str, late: float) -> bool:

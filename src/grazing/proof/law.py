@@ -2,14 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
 from grazing.oscillator.sure import Undecided
-from grazing_checker.law import Jet, evaluate
+from grazing_checker.law import Jet, evaluate, law_values
 from grazing_checker.reading import Rejected
 
 if TYPE_CHECKING:
     from flint import arb
+
+
+def law_of(params: Mapping[str, str | None], tree: Any) -> dict[str, Any]:
+    """Return what a certificate says of a law: its parameters in the order of the formula, and the tree of this."""
+    law = {"parameters": params, "after": tree}
+    return {**law, "parameters": law_values(law)}
 
 
 class Law:

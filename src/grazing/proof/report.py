@@ -9,6 +9,7 @@ from grazing.oscillator.spring import spring_of
 from grazing.proof.clearance import Cleared
 from grazing.proof.equations import Equations, Flight, Matrix
 from grazing.proof.krawczyk import contraction, remainder
+from grazing.proof.law import law_of
 from grazing.proof.seen import Seen, alone
 from grazing.proof.text import above, below, enclosed, exact_text
 from grazing_checker.oscillator import Problem
@@ -29,7 +30,7 @@ def described(equations: Equations, bits: int) -> dict[str, Any]:
     known |= {"offset": text[model.offset_name], "sigma": text["sigma"], "offset_name": model.offset_name}
     known |= _waves(text)
     own = {key: text[key] for key in model.walls[0].law.params}
-    said |= {"model": known, "law": {"parameters": own, "after": equations.trees[0]}, "impacts": equations.n}
+    said |= {"model": known, "law": law_of(own, equations.trees[0]), "impacts": equations.n}
     if name is None:
         return said
     of, name = "law" if name in own else "model", "offset" if name == model.offset_name else name
@@ -45,7 +46,7 @@ def _walled(equations: Equations, text: dict[str, str | None]) -> dict[str, Any]
     walls = []
     for j, wall in enumerate(seen.walls):
         front, own = seen.place_of(j)
-        law = {"parameters": {key: text[f"{front}{key}"] for key in wall.law.params}, "after": equations.trees[j]}
+        law = law_of({key: text[f"{front}{key}"] for key in wall.law.params}, equations.trees[j])
         place = {"sigma": text[f"{front}sigma"], **_waves(text, own)}
         walls.append({"name": wall.name, "side": wall.side, **place, "law": law})
     return {"model": known, "walls": walls, "impacts": [walls[hit]["name"] for hit in equations.hits]}

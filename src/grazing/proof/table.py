@@ -18,6 +18,7 @@ from grazing.orbits.bounces import Surface, solid_surfaces
 from grazing.pool import LOCK
 from grazing.proof.expression import NotAnExpression, expression
 from grazing.proof.gap import Writer
+from grazing.proof.law import law_of
 from grazing.proof.reasons import NotProven
 from grazing.proof.report import loose
 from grazing.proof.text import below, enclosed, exact_text, short
@@ -81,10 +82,8 @@ def _object(one: Thing, speeds: list[float]) -> dict[str, Any]:
     found["shape"] = {name: float(x).hex() for name, x in one.shape.items()}
     if one.law is not None:
         params = dict(one.law.params)
-        found["law"] = {
-            "parameters": {name: float(x).hex() for name, x in params.items()},
-            "after": expression(one.law.law, params, tuple(params), [-speed for speed in speeds]),
-        }
+        tree = expression(one.law.law, params, tuple(params), [-speed for speed in speeds])
+        found["law"] = law_of({name: float(x).hex() for name, x in params.items()}, tree)
     return found
 
 

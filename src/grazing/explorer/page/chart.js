@@ -294,7 +294,7 @@ export class ChartView {
   #legend(c) {
     const { axes, plan } = this;
     let named = plan?.basins
-      ? this.attractors().map((each) => ({ ...each, text: called(each, plan.name === "map") }))
+      ? this.#shares().map((each) => ({ ...each, text: `${called(each, plan.name === "map")}: ${percent(each.share)}`, word: each.word && `${each.word}: ${percent(each.share)}` }))
       : [...(this.colours ?? [])].map(([code, colour]) => ({ colour, word: "", text: code ? String(code) : "none" }));
     if (named.reduce((sum, { text }) => sum + c.measureText(text).width + 29, -14) > axes.box.w) named = named.map((each) => ({ ...each, text: each.word || each.text }));
     c.textAlign = "left";
@@ -314,6 +314,12 @@ export class ChartView {
       c.fillText(text, x + 15, 11);
       x += 15 + wide + 14;
     }
+  }
+
+  /** The attractors, each with its share of the picture. */
+  #shares() {
+    const all = this.attractors(), cells = all.reduce((total, each) => total + each.cells, 0);
+    return all.map((each) => ({ ...each, share: each.cells / cells }));
   }
 
   #symbols() {
@@ -348,8 +354,7 @@ export class ChartView {
   /** The basins in words: what the chosen state reaches, and each attractor with its share of the picture. @param {State} state */
   #inWords(state) {
     const plan = /** @type {Plan} */ (this.plan);
-    const all = this.attractors();
-    const cells = all.reduce((total, each) => total + each.cells, 0);
+    const all = this.#shares();
     /** @type {import("./state.js").Line[]} */
     const said = [];
     if (plan.name === "map") {
@@ -365,9 +370,9 @@ export class ChartView {
     said.push({ text: `Initial states ${this.#states(plan.names)}${plan.name === "map" ? "" : " at the strobe"} with ${plan.names.map((name, i) => plan.ends[i].map((end) => numeral(end)).join(` ≤ ${name} ≤ `)).join(" and ")}, by the attractor that they reach${this.canvas.dataset.stage === "computing" ? ", so far" : ""}:` });
     for (const each of all.slice(0, 12)) {
       const place = each.point.length ? `; a point of it: ${this.#states(each.point.map((each) => numeral(each)))}` : "";
-      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.cells / cells)} of the picture`, exact: place });
+      said.push({ colour: each.colour, text: `${called(each, plan.name === "map")}: ${percent(each.share)} of the picture`, exact: place });
     }
-    if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.cells, 0) / cells)} of the picture` });
+    if (all.length > 12) said.push({ text: `${all.length - 12} more: ${percent(all.slice(12).reduce((sum, each) => sum + each.share, 0))} of the picture` });
     return said;
   }
 

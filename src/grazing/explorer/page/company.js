@@ -82,9 +82,9 @@ export class Company {
       this.#ahead = turn(...this.#ahead);
       if (!this.#ahead.every(Number.isFinite)) this.#ahead = null;
     }
-    if (this.#ahead && this.rate.turns < TURNS && !this.view.playing) this.#next ||= requestAnimationFrame(() => {
+    if (this.#ahead && this.rate.turns < TURNS) this.#next ||= requestAnimationFrame(() => {
       this.#next = 0;
-      this.#measure();
+      if (this.twin && !this.view.playing) this.#measure();
     });
     this.#tell();
   }
@@ -102,7 +102,7 @@ export class Company {
   #tell() {
     const { twin, rate } = this, pushes = (/** @type {number} */ n) => (n > 1 ? `${Math.ceil(n)} pushes` : "a push");
     if (!twin) return void (this.told.textContent = "");
-    const together = rate.exponent < 0, why = together ? ", begun 1 % of the picture away and so less near," : "";
+    const together = rate.exponent < 0, why = together ? ", begun 1 % of the picture away, too far for that," : "";
     const end = !together ? "“Settle” begins anew." : twin.met ? `It was back after ${pushes(twin.met)}.` : "";
     this.told.textContent = `${rate.said()}${twin.parted ? ` The twin${why} parted within ${pushes(twin.parted)}. ${end}` : ""}`;
   }

@@ -303,7 +303,7 @@ function nearMiss() {
 
 function over() {
   const many = game.hits.length, hits = `${many} hit${many === 1 ? "" : "s"} in ${game.t.toFixed(2)} s`;
-  const how = game.end === "away" ? "The ball is gone for good" : game.end === "stopped" ? "The ball came to rest, or doubles could not follow it further" : game.end === "too often" ? "The ball hits too often to be followed further" : `The ball left through ${game.end.replaceAll("_", " ")}`;
+  const how = game.end === "away" ? "The ball is gone for good" : game.end === "stopped" ? "The ball came to rest, or doubles could not follow it further" : game.end === "too often" ? "The ball hits too often to be followed further" : `The ball left through “${game.end.replaceAll("_", " ")}”`;
   const unsure = game.unsure ? ` ${game.unsure} of them doubles could not decide for sure; Python does.` : "";
   say(`${how}: ${hits}.${unsure} ${touch.matches ? "Launch" : "Space"} sends another.`);
   replaying = null;

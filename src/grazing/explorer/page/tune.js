@@ -26,7 +26,7 @@ export function tune(classes, coming = false) {
   const known = classes.filter(({ period }) => period !== 0);
   if (!known.length) return [{ text: "What becomes of it is not decided." }];
   const said = known.slice(0, 3).map((each) => ({ colour: periodColour(each.period), text: rhythm(each) }));
-  const way = coming && known.every(({ period }) => period > 0) ? `On its way to ${said.length > 1 ? "one of these" : "this"}: ` : "";
+  const way = coming && known.every(({ period }) => period > 0) ? `It may be on its way to ${said.length > 1 ? "one of these" : "this"}: ` : "";
   if (said.length === 1) return [...(way ? [{ text: way }] : []), { ...said[0], text: `${way ? said[0].text : said[0].text[0].toUpperCase() + said[0].text.slice(1)}.` }];
   return [{ text: way || "The start decides: " }, ...said.flatMap((each, i) => [...(i ? [{ text: "; or " }] : []), each]), { text: "." }];
 }
