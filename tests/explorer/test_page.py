@@ -287,6 +287,9 @@ def test_words_of_what_is_shown(shown, address):
     shown.open(f"{address}#version=2&view=gap&lam=0.8&l=1&mu=0.5&columns=20")
     said = shown.page.inner_text("#summary")
     assert "period-3 orbit, word LLR, multiplier −0.632317" in said and "−1.00608" in said
+    shown.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&mu=0.168&columns=20")  # one start in eleven comes to LLR
+    said = shown.page.inner_text("#summary")
+    assert "word LR," in said and "word LLR," in said and "of 64 starts" in said
     shown.open(f"{address}#version=2&view=ball&offset=0.12&V=0.4&columns=20")
     assert "period-3 orbit, one impact, word 001" in shown.page.inner_text("#summary")
 

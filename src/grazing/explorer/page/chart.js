@@ -5,7 +5,7 @@ import { periodColour, rgb, theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
 import { rowOf, valueOf } from "./flow.js";
 import { Gestures } from "./gestures.js";
-import { basins, linspace } from "./jobs.js";
+import { DRAWN, basins, linspace } from "./jobs.js";
 import { SEARCHING, Search, costOf, within, words } from "./orbits.js";
 import { Axes } from "./plot.js";
 import { allowed, numeral, tidy, told } from "./state.js";
@@ -154,7 +154,7 @@ export class ChartView {
     if (!plan.basins) {
       const gap = plan.name !== "oscillator", which = plan.which[0]; // a step that is short
       const T = gap ? 1 : (2 * Math.PI) / state.omega;
-      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(state));
+      this.search.ask(plan.name, plan.machine, { row: plan.row, which, value: plan.row[which], starts: gap ? DRAWN : 16, transient: gap ? 2000 : within(300, T), keep: gap ? 128 : within(64, T), seed: state.seed, tolerance: this.tolerance }, gap ? 0.01 : costOf(state));
     }
     this.paint();
   }

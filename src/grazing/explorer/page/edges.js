@@ -2,7 +2,7 @@
 /** The windows of the maximal orbits against the gap l, Figures 3.4 and 3.6: period doubling, border collision, and where windows appear and meet. */
 import { periodColour, theme } from "./colours.js";
 import { Gestures } from "./gestures.js";
-import { found, linspace } from "./jobs.js";
+import { DRAWN, found, linspace } from "./jobs.js";
 import { words } from "./orbits.js";
 import { Axes, FONT } from "./plot.js";
 import { numeral, tidy, told } from "./state.js";
@@ -68,7 +68,7 @@ export class EdgesView {
       this.#compute(lam, gaps, periods);
     }
     const row = Float64Array.of(lam, state.mu, state.l);
-    this.classes = found(this.machine, { row, which: 1, value: state.mu, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance });
+    this.classes = found(this.machine, { row, which: 1, value: state.mu, starts: DRAWN, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance });
     this.paint();
   }
 

@@ -3,7 +3,7 @@
 import { Beside, Cobweb } from "./cobweb.js";
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { found } from "./jobs.js";
+import { DRAWN, found } from "./jobs.js";
 import { words } from "./orbits.js";
 import { LONGEST, numeral, told } from "./state.js";
 
@@ -156,7 +156,7 @@ export class GapView extends Beside {
       this.key = key;
       this.diagram.show(spec);
     } else this.diagram.draw();
-    this.classes = found(this.machine, { row, which: 1, value: state.mu, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance });
+    this.classes = found(this.machine, { row, which: 1, value: state.mu, starts: DRAWN, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance });
     for (const each of this.classes) {
       if (each.period > 0) each.multiplier = each.points.reduce((product, [x]) => product * (x < 0 ? state.lam : -0.5 / Math.sqrt(x)), 1);
     }

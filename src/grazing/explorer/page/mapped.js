@@ -5,7 +5,7 @@ import { theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
 import { Diagram } from "./diagram.js";
 import { events, planned, valueOf } from "./flow.js";
-import { linspace } from "./jobs.js";
+import { DRAWN, linspace } from "./jobs.js";
 import { BROUGHT } from "./laws.js";
 import { SEARCHING, Search, words } from "./orbits.js";
 import { numeral } from "./state.js";
@@ -95,7 +95,7 @@ export class MapView extends Beside {
       this.key = key;
       this.diagram.show(spec());
     } else this.diagram.draw();
-    this.search.ask("map", this.machine, { row, which, value: row[which], transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance }, 0.01);
+    this.search.ask("map", this.machine, { row, which, value: row[which], starts: DRAWN, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance }, 0.01);
     this.cobweb.draw();
   }
 

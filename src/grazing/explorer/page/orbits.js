@@ -100,7 +100,7 @@ const bare = ({ impacts, word }) => impacts === undefined && word === "0";
 
 /** A class in words. @param {Class} each @returns {import("./state.js").Line} */
 function line(each) {
-  const share = `${Math.round(16 * each.share)} of 16 starts`, colour = periodColour(each.period);
+  const share = `${Math.round(each.starts * each.share)} of ${each.starts} starts`, colour = periodColour(each.period);
   if (each.period < 1) return { colour, text: `${each.period === -1 ? "no period found (aperiodic as far as seen)" : each.period === 0 ? "undecided" : "orbit that ended"}; ${share}` };
   let text = `period-${each.period} orbit${impactsOf(each)}`;
   if (each.word && !bare(each)) text += `, word ${each.word}`;
