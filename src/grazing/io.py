@@ -146,7 +146,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
                 f"{source} is a folder: give the store of a sweep, or a file that gz.save wrote; {error}"
             ) from error
     with opened(source) as file:
-        if (head := file.read(4))[:3] != b"CDF":
+        head = file.read(4) or b""  # one that has nothing to say yet gives None
+        if head[:3] != b"CDF":
             raise _foreign(source, readable=head == b"\x89HDF")
         refuse_too_large(os.fstat(file.fileno()).st_size, f"{source} cannot be opened here")
         try:

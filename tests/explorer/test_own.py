@@ -682,6 +682,7 @@ def hands_on(shown, P):
     page.mouse.move(x + 20, box["y"] + 0.4 * box["height"])
     page.mouse.up()
     shown.until(f"() => explorer.state()[{name!r}] > {before[name]}")
+    shown.settle()  # the axes of the cobweb follow the orbits that are found
     picture = shown.pixels("cobweb")
     page.mouse.move(web["x"] + 0.55 * web["width"], web["y"] + 0.4 * web["height"])
     page.mouse.down()
