@@ -666,7 +666,7 @@ def hands_on(shown, P):
     """Zoom the diagram, drag the line and the start by the mouse, go back by a double click; leave all as it was."""
     page, before = shown.page, shown.page.evaluate("() => explorer.state()")
     name, (low, high) = before["vary"], before["reach"]
-    box, web = page.locator("#gap-diagram").bounding_box(), page.locator("#cobweb").bounding_box()
+    box = page.locator("#gap-diagram").bounding_box()
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"])
     page.mouse.wheel(0, -300)
     shown.until(f"() => {{ const [a, b] = explorer.state().reach; return b - a < {0.9 * (high - low)}; }}")
@@ -682,11 +682,13 @@ def hands_on(shown, P):
     page.mouse.move(x + 20, box["y"] + 0.4 * box["height"])
     page.mouse.up()
     shown.until(f"() => explorer.state()[{name!r}] > {before[name]}")
-    shown.settle()  # the axes of the cobweb follow the orbits that are found
-    picture = shown.pixels("cobweb")
+    shown.until("() => !explorer.views.map.search.waiting")  # the axes of the cobweb follow the orbits that are found
+    shown.settle()
+    picture, web = shown.pixels("cobweb"), page.locator("#cobweb").bounding_box()
     page.mouse.move(web["x"] + 0.55 * web["width"], web["y"] + 0.4 * web["height"])
     page.mouse.down()
-    at = page.evaluate(  # on the axes as they are before the start moves, which they may follow
+    shown.settle()
+    at = page.evaluate(  # on the axes as they are before the start moves on, which they may follow
         "([x, y]) => { const a = explorer.views.map.cobweb.axes; return [a.atX(x), a.atY(y)]; }",
         [0.6 * web["width"], 0.3 * web["height"]],
     )
