@@ -1,6 +1,7 @@
 """What a study will take is known from its sizes: what does not fit is refused before anything is allocated."""
 
 import inspect
+import json
 import subprocess
 import sys
 import tracemalloc
@@ -223,7 +224,7 @@ CALLS = {
 ATTACK = (
     PEAK
     + """
-import inspect, resource, signal, time, warnings
+import inspect, json, resource, signal, time, warnings
 resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
 import grazing as gz, grazing.memory
 grazing.memory.physical_memory = lambda: 2 << 30
@@ -248,7 +249,7 @@ for name, call in CALLS.items():
         except BaseException as error:
             end = repr(error)
         signal.setitimer(signal.ITIMER_REAL, 0.0)
-        print(name, what, end, round(time.monotonic() - begin, 1), sep=";", flush=True)
+        print(json.dumps((name, what, end, round(time.monotonic() - begin, 1))), flush=True)
 print(peak())
 """
 )
@@ -272,14 +273,14 @@ PASSING = {
 def test_every_public_function_refuses_a_size_or_can_be_stopped():
     done = subprocess.run([sys.executable, "-c", ATTACK % CALLS], capture_output=True, text=True, timeout=300)
     *lines, peak = done.stdout.split("\n")[:-1]
-    called = {line.split(";")[0] for line in lines}
+    ends = [json.loads(line) for line in lines]
+    called = {name for name, *_ in ends}
     functions = {name for name in gz.__all__ if inspect.isfunction(getattr(gz, name))}
     assert called == functions - UNSIZED, done.stderr[-2000:]
-    for line in lines:
-        name, what, end, seconds = line.split(";")
+    for name, what, end, seconds in ends:
         passing = what == "transient" or (name, what) in PASSING
-        assert end in (("ended", "stopped", "refused") if passing else ("refused",)), line
-        assert float(seconds) < 20.0, line  # most of it the compiler
+        assert end in (("ended", "stopped", "refused") if passing else ("refused",)), (name, what, end)
+        assert seconds < 20.0, (name, what, seconds)  # most of it the compiler
     assert int(peak) < 700
 
 

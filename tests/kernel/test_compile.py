@@ -621,6 +621,20 @@ def test_recursion_is_refused():
         compiled(lambda x: loop(x))
 
 
+def test_an_interrupted_compilation_can_be_made_again(monkeypatch):
+    def interrupted(*_way, **_options):
+        raise KeyboardInterrupt
+
+    def callee(x):
+        return 5.0 * x
+
+    with monkeypatch.context() as patch:
+        patch.setattr(numba, "njit", interrupted)
+        with pytest.raises(KeyboardInterrupt):
+            compiled(lambda x: callee(x))
+    assert compiled(lambda x: callee(x))(2.0) == 10.0
+
+
 def test_what_does_not_compile_is_named():
     def opens(x):
         return len({"a": x}.popitem()) + open("nowhere")

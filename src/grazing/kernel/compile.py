@@ -44,6 +44,7 @@ FLAGS: dict[str, bool | set[str]] = {"strict": False, "fast": {"contract"}}
 
 _lock = threading.RLock()
 _inner: dict[tuple[str, str], Any] = {}
+_begun: set[tuple[str, str]] = set()
 _outer: dict[tuple[Callable[..., Any], str], Any] = {}
 
 
@@ -271,15 +272,14 @@ def _jit(
 def _inner_jit(function: FunctionType, arithmetic: str, known: Known) -> Any:
     key = (digest(function, known), arithmetic)
     if key not in _inner:
+        if key in _begun:
+            raise UserCodeError(f"{function.__name__} calls itself; a kernel must not be recursive")
         role = "unit" if getattr(function, "unit", False) and apart() else "part"
-        _inner[key] = None
         try:
+            _begun.add(key)
             _inner[key] = _jit(function, arithmetic, role, known)
-        except GrazingError:
-            del _inner[key]
-            raise
-    if _inner[key] is None:
-        raise UserCodeError(f"{function.__name__} calls itself; a kernel must not be recursive")
+        finally:  # also of an interrupt, after which it is to be had again
+            _begun.discard(key)
     return _inner[key]
 
 
