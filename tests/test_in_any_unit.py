@@ -25,12 +25,14 @@ def measured(L, T):
     ]  # fmt: skip
 
 
-PLAIN = measured(1.0, 1.0)
+@pytest.fixture(scope="module")
+def plain():
+    return measured(1.0, 1.0)
 
 
 @pytest.mark.parametrize(("a", "b"), [(20, 0), (0, 20), (0, -20), (17, -13), (-19, 20)])
-def test_studies_in_units_of_powers_of_two(a, b):
-    for one, other in zip(PLAIN, measured(2.0**a, 2.0**b), strict=True):
+def test_studies_in_units_of_powers_of_two(a, b, plain):
+    for one, other in zip(plain, measured(2.0**a, 2.0**b), strict=True):
         assert one.shape == other.shape and np.allclose(one, other, rtol=1e-9, atol=1e-9, equal_nan=True)
 
 
