@@ -7,6 +7,7 @@ import pytest
 
 import grazing as gz
 from tests.billiard.orbits import active_discs, beside_a_tip, bowl, bowl_and_disc, in_a_row, posted
+from tests.models import cubic
 
 
 def found(table, word, **more):
@@ -142,3 +143,16 @@ def test_the_angle_of_a_table_may_vary():
     (orbit,) = found(gz.table(bowl(r=0.78).objects, g=1.2, tilt=1.0), "(bowl)")
     low, high = enclosed(orbit, "pd", "tilt")
     assert 0.5 * (low + high) == pytest.approx(asin((0.3 / 0.22) ** 2 / 2.4), rel=1e-12) and high < 0.5 * pi
+
+
+def test_a_search_that_digits_do_not_follow_ends_in_words():
+    """Flights of no length at all were divided by; and what 256 bits lose was told in a traceback."""
+    disc = gz.disc("A", (0.0, 1.5), 0.118, gz.triggered(0.732, V=0.456, trigger=0.127))
+    above = gz.table([disc], rho=0.05, g=1.0, tilt=0.2)
+    for hop in found(above, "A"):
+        assert not gz.enclose(hop, "lp", "A.trigger").proven
+    law = gz.reset(cubic, e=0.9, c=-0.2)
+    disc = gz.disc("A", (-0.567, 0.34), 0.5, gz.triggered(0.662, V=0.34, trigger=0.12))
+    ring = gz.table([gz.arc("ring", (0.0, 0.0), 2.0, 0.0, 2.0 * pi, law), disc], g=1.0, tilt=0.2)
+    reasons = [gz.enclose(orbit, "lp", "g").reason for orbit in found(ring, "(ring)")]
+    assert any("256 bits do not follow" in reason for reason in reasons), reasons

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
@@ -165,9 +166,12 @@ class Along(ABC):
         return max(self._apart(x, guess), min(STRIDE, float(abs(guess[self.pinned] - x[self.pinned])) / self.unit(x)))
 
     def _apart(self, one: Point, two: Point) -> float:
-        """Return how far two orbits are from each other: the largest difference, in scales of the coordinates."""
+        """Return how far two orbits are from each other: the largest difference, in scales of the coordinates.
+
+        Where a scale is 0, as of flights that have shrunk to nothing, they are beyond all measure apart.
+        """
         sizes = map(float, self.equations.scales(two, self.equations.flights(two)))
-        return max(float(abs(a - b)) / size for a, b, size in zip(one, two, sizes, strict=False))
+        return max(float(abs(a - b)) / size if size else inf for a, b, size in zip(one, two, sizes, strict=False))
 
 
 class Search(Along):

@@ -20,6 +20,7 @@ from grazing.parameter import checked_name, named_by
 from grazing.pool import LOCK
 from grazing.proof.curve import enclosed_curve, end_of, units_of
 from grazing.proof.expression import NotAnExpression
+from grazing.proof.flow import Blurred
 from grazing.proof.krawczyk import NoConvergence
 from grazing.proof.reasons import SADDLE, NotProven, Open, Stage
 from grazing.proof.search import Along
@@ -234,6 +235,10 @@ def prove_table_value(orbit: BounceOrbit, kind: str, name: str) -> tuple[dict[st
             raise NotProven("the equations of the orbit are not decided near it; give another orbit") from None
         except NoConvergence:
             raise NotProven("Newton's method does not converge at an end of the curve; give another orbit") from None
+        except Blurred:
+            raise NotProven(
+                f"{BITS} bits do not follow the orbit towards the bifurcation; give one nearer to it"
+            ) from None
         except NotAnExpression as error:
             raise NotProven(
                 f"a reset law cannot be written as an expression ({error}); write it with arithmetic, comparisons and "
