@@ -23,14 +23,14 @@ def delayed(state, p):
     return p.r * state[0] * (1.0 - state[1]), state[0]
 
 
-def held(branch, wanted):
+def held(branch, wanted, narrow=1e-10):
     """How many special points have converged on a true value of their type, each of which must lie in the bracket."""
     count = 0
     for one in branch.special:
         true = min(wanted.get(one.type, ()), key=lambda value: abs(value - one.value), default=None)
         if true is not None and one.converged:
             assert one.low <= true <= one.high, (one, float(true - one.value), one.high - one.low)
-            assert one.high - one.low < 1e-10 * (1.0 + abs(one.value))
+            assert one.high - one.low < narrow * (1.0 + abs(one.value))
             count += 1
     return count
 
@@ -74,5 +74,32 @@ def test_a_graze_of_the_steady_response_lies_in_its_bracket_in_every_parameter()
 
 def test_a_place_that_nothing_determines_may_be_anywhere():
     A = np.array([[1.0, 2.0], [2.0, 4.0]])
-    assert shift_of(A, np.array([1e-16, 1e-16]), False) > 1.0
-    assert shift_of(np.array([[0.0, 2.0], [1.0, 4.0]]), np.array([1e-16, 0.0]), False) == 5e-17
+    assert shift_of(A, np.array([1e-16, 1e-16])) > 1.0
+    assert shift_of(np.array([[0.0, 2.0], [1.0, 4.0]]), np.array([1e-16, 0.0])) == 5e-17
+
+
+def scaled_logistic(state, p):
+    return (p.a * state[0] * (1.0 - state[0] / p.s) + p.e * state[0],)
+
+
+def cubic(state, p):
+    x = state[0]
+    return (p.m * x - p.q * x * x * x,)
+
+
+@pytest.mark.parametrize("s, e", [(1.0, 0.0), (1463.0, -0.2449), (65.9, 0.28872), (5.56e-4, 0.4452), (2.0e5, 0.1)])
+def test_branch_points_lie_in_their_brackets(s, e):
+    P = gz.Map(scaled_logistic, {"a": 2.0 - e, "s": s, "e": e}, box=((-0.1 * s, s),))
+    orbits = gz.periodic_orbits(P, 1)
+    assert len(orbits) == 2
+    wanted = {"bp": [1 - mp.mpf(e)]}
+    assert sum(held(gz.continuation(P, orbit, "a", (0.3, 3.9)), wanted, 1e-6) for orbit in orbits) >= 1
+
+
+def test_a_pitchfork_and_the_crossing_of_a_torus_map_lie_in_their_brackets():
+    P = gz.Map(cubic, {"m": 1.5, "q": 1.7e-4}, box=((-100.0, 92.0),))
+    (middle,) = (orbit for orbit in gz.periodic_orbits(P, 1) if abs(orbit.points[0, 0]) < 1e-9)
+    assert held(gz.continuation(P, middle, "m", (-2.0, 3.0)), {"bp": [mp.mpf(1)], "pd": [mp.mpf(-1)]}, 1e-6) == 2
+    P = gz.Map(delayed, {"r": 1.8}, coordinates=("x", "y"), box=((0.0, 1.0),) * 2)
+    for orbit in gz.periodic_orbits(P, 1):
+        held(gz.continuation(P, orbit, "r", (0.5, 2.4)), {"bp": [mp.mpf(1)], "ns": [mp.mpf(2)]}, 1e-6)

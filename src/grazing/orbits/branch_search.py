@@ -133,7 +133,7 @@ def bracketed(equations: Equations, event: Event, x: Floats, p: Floats) -> tuple
     if even is not None:
         shift = moved_by_rounding(even, even.part(x, p), p, index)
     else:
-        shift = moved_by_rounding(equations, x, p, index, crossed)
+        shift = moved_by_rounding(equations, x, p, index, event.point.tangent if crossed else None)
     if not np.isfinite(shift):
         return low, high, False
     return value - shift, value + shift, True

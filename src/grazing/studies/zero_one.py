@@ -30,8 +30,9 @@ def zero_one(series: ArrayLike, *, frequencies: int = 100, seed: int = 0) -> NDA
     Returns
     -------
     float or ndarray, shape (m,)
-        The median over the frequencies of the correlation between the mean square displacement, its oscillating part
-        subtracted, and time. Not a number for a series that is not finite; 0 for one that does not vary.
+        The median over the frequencies of the correlation between the mean square displacement and time. The mean of
+        the series is subtracted first, as what it adds oscillates: so the origin of an observable does not matter. Not
+        a number for a series that is not finite; 0 for one that does not vary.
 
     References
     ----------
@@ -74,13 +75,11 @@ def _median(x: NDArray[np.float64], c: NDArray[np.float64]) -> float:
         return 0.0
     n = len(x)
     lags = np.arange(1, n // 10 + 1)
-    mean = x.mean()
+    x = x - x.mean()
     correlations = []
     for frequency in c:
         walk = np.cumsum(x * np.exp(1j * frequency * np.arange(1, n + 1)))
-        moved = _displacements(walk, lags)
-        moved -= mean**2 * (1.0 - np.cos(lags * frequency)) / (1.0 - np.cos(frequency))
-        correlations.append(np.corrcoef(lags, moved)[0, 1])
+        correlations.append(np.corrcoef(lags, _displacements(walk, lags))[0, 1])
     return float(np.median(correlations))
 
 
