@@ -22,8 +22,6 @@ import { Axes } from "./plot.js";
 const CHUNK_WORK = 4e5;
 /** A first picture of so few steps is computed in the page, if that takes so few milliseconds: then it is in the next frame. */
 const AT_ONCE = 1.1e6, SOON = 12;
-/** Orbits and steps of a column that are asked for their periods. */
-const ASKED = 8, SEEN = 64;
 /** Rows of a picture that one pixel shows at most. */
 const MOST = 64;
 
@@ -221,29 +219,19 @@ export class Diagram {
     if (this.#next()) return;
     await onScreen(); // refinement would take the processors from the frame that shows this picture
 
-    const size = CHUNK_WORK / spec.cost, passes = spec.colour ? 2 : 1;
-    await this.#inParts(values, size / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
-      const found = await batch.run(spec.machine, "raster", this.#job(spec, some));
+    made.coloured = spec.colour;
+    await this.#inParts(values, CHUNK_WORK / spec.cost / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
+      const found = await batch.run(spec.machine, "raster", { ...this.#job(spec, some), colour: spec.colour });
       made.put(from, found.counts, spec.starts * spec.keep);
+      if (found.codes) made.codes.set(found.codes, from * made.bins);
       for (let i = 0; i < some.length; i++) {
         made.ambiguous += found.ambiguous[i];
         made.ended += found.ended[i];
       }
-      this.#share += some.length / columns / passes;
+      this.#share += some.length / columns;
       this.#soon();
     });
     this.milliseconds.full = performance.now() - begun;
-    this.stage = "full";
-    if (spec.colour) {
-      made.coloured = true;
-      const starts = Math.min(ASKED, spec.starts);
-      await this.#inParts(values, size / (ASKED * (spec.transient + SEEN)), async (some, from) => {
-        const found = await batch.run(spec.machine, "periods", { ...this.#job(spec, some), starts, keep: SEEN, tolerance: spec.tolerance });
-        made.codes.set(found.codes, from * made.bins);
-        this.#share += some.length / columns / passes;
-        this.#soon();
-      });
-    }
     this.stage = "done";
     this.paint();
     this.events.done?.();
@@ -257,8 +245,8 @@ export class Diagram {
   }
 
   /** @param {Spec} spec @param {Floats} values */
-  #job({ row, which, low, high, bins, coordinate, starts, transient, keep, seed }, values) {
-    return { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed };
+  #job({ row, which, low, high, bins, coordinate, starts, transient, keep, seed, tolerance }, values) {
+    return { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed, tolerance };
   }
 
   #soon() {
