@@ -249,3 +249,20 @@ def test_exercises_are_chosen_beside_the_figures(shown, address):
             assert shown.page.inner_text("#note") == question and shown.problem() == ""
     shown.page.select_option("#preset", "3.2")
     shown.until("() => !document.getElementById('note').checkVisibility()")
+
+
+def test_what_an_exercise_asks_does_not_stay_above_a_view_of_which_it_says_nothing(shown, address):
+    shown.open(f"{address}#version=2&view=ball")
+    shown.page.evaluate(FEW)
+    shown.page.select_option("#preset", label="Coexistence and hysteresis")
+    shown.until("() => document.getElementById('note').checkVisibility()")
+    for view, stays in (("chart", True), ("ball", True), ("strobe", False)):
+        shown.page.click(f"[data-view={view}]")
+        shown.until(f"() => explorer.state().view === {view!r}")
+        assert shown.page.is_visible("#note") == stays, view
+        shown.link()
+    shown.page.go_back()
+    shown.until("() => explorer.state().view === 'ball' && document.getElementById('note').checkVisibility()")
+    shown.open(f"{address}#version=2&view=ball&note=Mine")  # what is one's own stays
+    shown.page.click("[data-view=strobe]")
+    shown.until("() => explorer.state().view === 'strobe' && document.getElementById('note').checkVisibility()")

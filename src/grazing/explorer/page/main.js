@@ -50,8 +50,8 @@ let pool = null;
 let guide;
 /** @type {Pinned | undefined} */
 let pinned;
-/** The address as the page wrote or read it. */
-let linked = "";
+/** The address as the page wrote or read it, and the text that asked last for sliders. */
+let linked = "", asked = "";
 /** What makes another scene. */
 const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
@@ -178,6 +178,9 @@ function render() {
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
+  const { text = "", question } = TOUR[state.tour - 1] ?? {}, asks = [state.note, text, question?.ask].join(" ");
+  if (asks !== asked) for (const name of VARIED) controls[name].box.classList.toggle("asked", RegExp(`(?<!\\p{L})${plainSymbol(fields[name])}(?![\\p{L}²_])`, "u").test(asks));
+  asked = asks;
   typeset($("hint"), ((!still(state) || ownOf(state)) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
   if ($("preset").value && !($("preset").value in PRESETS && isFigure(state, $("preset").value))) $("preset").value = "";
   clearTimeout(linking);
@@ -290,7 +293,10 @@ function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) {
     button.hidden = !CHOICES.view.includes(button.dataset.view ?? "");
-    button.addEventListener("click", () => change({ view: button.dataset.view, ...(button.dataset.view === "chart" ? { chart: chartOf(state) } : {}) }));
+    button.addEventListener("click", () => {
+      const { view } = button.dataset, one = Object.values(EXERCISES).find(([ask]) => ask === state.note), stays = !one || one[1].includes(`view=${view}&`) || one[0].includes(`(${button.textContent})`);
+      change({ view, ...(stays ? {} : { note: "" }), ...(view === "chart" ? { chart: chartOf(state) } : {}) });
+    });
   }
   $("preset").hidden = $("tour").hidden = Boolean(BROUGHT.model?.map);
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
