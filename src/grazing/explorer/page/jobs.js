@@ -41,14 +41,13 @@ function drawn(machine, rows, values, starts, seed) {
 const ASKED = 8, SEEN = 64;
 
 /**
- * Counts (columns, bins + 3): below, the parts of the range, above, what is no number. With `colour` the periods, too.
+ * Counts (columns, bins + 3): below, the parts of the range, above, what is no number; with `colour` periods.
  * @param {Machine} machine
  * @param {Columns & Steps & Range & {colour?: boolean, tolerance: number}} job
  */
 export function raster(machine, job) {
   const { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed, colour } = job;
-  const columns = values.length;
-  const rows = rowsOf(row, which, values);
+  const columns = values.length, rows = rowsOf(row, which, values);
   const { counts, ended, ambiguous, lanes } = machine.call(
     "density",
     { columns, starts, rows, lanes: drawn(machine, rows, values, starts, seed), transient, keep, coordinate, low, high, bins },
@@ -74,8 +73,7 @@ function codesOf(machine, { values, low, high, bins, coordinate, starts, toleran
   const dimension = machine.described.coordinates.length, columns = values.length, few = Math.min(ASKED, starts);
   const first = lanes.filter((_, i) => i % starts < few);
   const { period, points } = settled(machine, { columns, rows, lanes: first, starts: few, transient: 0, keep: SEEN, tolerance });
-  const codes = new Uint8Array(columns * bins);
-  const scale = bins / (high - low);
+  const codes = new Uint8Array(columns * bins), scale = bins / (high - low);
   for (let q = 0; q < columns; q++) {
     for (let j = 0; j < few; j++) {
       const N = period[q * few + j];
