@@ -31,8 +31,8 @@ COLUMNS, CELLS, SIDE = 1000, (300, 200), 320
 BETWEEN, LOOKS = 16, 20
 #: Milliseconds after which a picture is no longer waited for.
 PATIENCE = 600_000
-#: Bytes a minute, above which a heap is not steady.
-STEADY = 20_000.0
+#: Bytes by which a steady heap may seem to grow: three times what comes of sizes that scatter by 0.2 MB.
+STEADY = 500_000.0
 
 #: Runs a function after the frame that is being made; in every page that is opened.
 AFTER = """
@@ -307,7 +307,7 @@ def heaps(ours: Explorer, share: float) -> Iterator[Response]:
         at, used = zip(*sizes[path][LOOKS // 5 :], strict=True)
         slope = linear_regression(at, used).slope
         note = f"{used[0] / 1e6:.2f} MB to {used[-1] / 1e6:.2f} MB in {at[-1]:.1f} minutes"
-        yield Response(name, [slope / 1000.0], "kB a minute", STEADY / 1000.0, note=note)
+        yield Response(name, [slope / 1000.0], "kB a minute", STEADY / 1000.0 / minutes, note=note)
 
 
 def opened(ours: Explorer, share: float) -> Iterator[Response]:
@@ -370,7 +370,7 @@ def show_responses(out: Console, found: Sequence[Response]) -> None:
             lines.append((f"{one.name} ({one.missing})", "", "", "", "", "", ""))
             continue
         spread = f"{min(one.values):.4g}..{max(one.values):.4g}" if len(one.values) > 1 else ""
-        goal = "" if one.goal is None else f"{'≥' if one.least else '≤'} {one.goal:g}"
+        goal = "" if one.goal is None else f"{'≥' if one.least else '≤'} {one.goal:.4g}"
         reached = {None: "", True: "yes", False: "no"}[one.reached]
         lines.append((one.name, f"{median(one.values):.4g}", one.unit, spread, goal, reached, one.note))
     show(
