@@ -42,7 +42,8 @@ def parser() -> argparse.ArgumentParser:
     """Return the options."""
     options = argparse.ArgumentParser(prog="benchmarks", description="Compare grazing with other programs, in one run.")
     options.add_argument("parts", nargs="*", metavar="PART", help=f"{', '.join(PARTS)}; default: all of them")
-    options.add_argument("--quick", action="store_true", help="less work, fewer rounds: under a minute once compiled")
+    quick = "less work, fewer rounds: under a minute once compiled, five for explorer"
+    options.add_argument("--quick", action="store_true", help=quick)
     options.add_argument("--rounds", type=int, help="how often each row is timed (default 15, quick 3)")
     options.add_argument(
         "--only",

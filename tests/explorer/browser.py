@@ -1,20 +1,14 @@
 """A page of the explorer in a real browser, and what it shows."""
 
-import os
-import shutil
 import time
 from functools import cached_property
 
 import numpy as np
 import pytest
 
-CHROMIUM = os.environ.get("GRAZING_CHROMIUM") or next(
-    filter(
-        None,
-        map(shutil.which, ("chromium-headless-shell", "chromium", "chromium-browser", "google-chrome", "chrome")),
-    ),
-    None,
-)
+from benchmarks.explorer import chromium
+
+CHROMIUM = chromium()
 SECONDS = 60
 #: For tests of what is loaded, or of more than a link and `Shown.rest` bring back.
 LOADED = pytest.mark.parametrize("kept", [False], ids=["loaded"])

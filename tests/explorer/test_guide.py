@@ -249,3 +249,41 @@ def test_exercises_are_chosen_beside_the_figures(shown, address):
             assert shown.page.inner_text("#note") == question and shown.problem() == ""
     shown.page.select_option("#preset", "3.2")
     shown.until("() => !document.getElementById('note').checkVisibility()")
+
+
+def test_what_an_exercise_asks_does_not_stay_above_a_view_of_which_it_says_nothing(shown, address):
+    shown.open(f"{address}#version=2&view=ball")
+    shown.page.evaluate(FEW)
+    shown.page.select_option("#preset", label="Coexistence and hysteresis")
+    shown.until("() => document.getElementById('note').checkVisibility()")
+    for view, stays in (("chart", True), ("ball", True), ("strobe", False)):
+        shown.page.click(f"[data-view={view}]")
+        shown.until(f"() => explorer.state().view === {view!r}")
+        assert shown.page.is_visible("#note") == stays, view
+        shown.link()
+    shown.page.go_back()
+    shown.until("() => explorer.state().view === 'ball' && document.getElementById('note').checkVisibility()")
+    shown.open(f"{address}#version=2&view=ball&note=Mine")  # what is one's own stays
+    shown.page.click("[data-view=strobe]")
+    shown.until("() => explorer.state().view === 'strobe' && document.getElementById('note').checkVisibility()")
+
+
+def test_what_an_exercise_asks_takes_one_line_once_a_hand_has_acted(shown, address):
+    shown.page.set_viewport_size({"width": 1280, "height": 720})
+    shown.open(f"{address}#version=2&view=ball&note={'How%20long%20is%20it%20until%20it%20lies%20still?%20' * 6}")
+    high = "() => document.getElementById('note').offsetHeight"
+    shown.page.keyboard.press("p")
+    whole = shown.page.evaluate(high)
+    slider = shown.page.locator(".control.turned input[type=range]").bounding_box()
+    shown.page.mouse.move(slider["x"] + 100, slider["y"] + 10)
+    shown.page.mouse.down()
+    shown.page.mouse.move(slider["x"] + 130, slider["y"] + 10)
+    shown.until("() => explorer.state().offset !== 0.12")
+    assert shown.page.evaluate(high) == whole > 100  # nothing moves under the hand
+    shown.page.mouse.up()
+    shown.until(f"() => ({high})() < 60")
+    shown.page.click("#note")
+    assert shown.page.evaluate(high) == whole
+    shown.page.keyboard.press("p")
+    shown.page.evaluate("() => { location.hash = location.hash.replace(/note=[^&]*/, 'note=Another'); }")
+    shown.until("() => document.getElementById('note').className === '' && explorer.state().note === 'Another'")

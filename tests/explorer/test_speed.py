@@ -88,6 +88,8 @@ def test_the_pictures_of_the_oscillator(shown, address):
     assert sum(job["columns"] * job["steps"] for job in first) == 84 * 4 * 90  # every twelfth
     rest = [job for job in seen["jobs"][len(first) :] if job["job"] == "raster"]
     assert sum(job["columns"] for job in rest) == 1000
+    # what settles an orbit is done once, for its points and for its period
+    assert {job["job"] for job in seen["jobs"][len(first) :]} <= {"raster", "found"}
     assert sum(job["columns"] * job["steps"] for job in rest) == 1000 * 8 * 184
     assert max(job["columns"] * job["steps"] for job in rest) <= 15_000
 

@@ -4,7 +4,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from tests.explorer.browser import COARSE, Shown
+from tests.explorer.browser import COARSE, FEW, Shown
 from tests.explorer.test_page import AXE
 
 VIEWS = {
@@ -671,3 +671,44 @@ def test_the_key_that_begins_again_is_first_the_cobwebs(shown, address):
         shown.until(f"() => explorer.state().web === {web}")
         assert (shown.page.evaluate("() => explorer.state().span[0]") == -0.05) == zoomed
     shown.page.click("#end")
+
+
+@pytest.mark.parametrize(("size", "exercise", "name"), [
+    ((1280, 720), "Chatter", "r"), (PHONE, "Chatter", "r"), ((1280, 720), "The graze", "omega"),
+])  # fmt: skip
+def test_before_a_room_a_slider_is_seen_that_an_exercise_asks_for(opened, size, exercise, name):
+    shown = opened("ball", size)
+    shown.page.evaluate(FEW)
+    shown.page.select_option("#preset", label=exercise)
+    shown.until("() => document.getElementById('note').checkVisibility()")
+    shown.page.keyboard.press("p")
+    for each in (name, "offset"):
+        seen = """(name) => {
+          const slider = document.querySelector(`.control[data-name=${name}] input[type=range]`);
+          const { x, y, width, height } = slider.getBoundingClientRect();
+          return document.elementFromPoint(x + width / 2, y + height / 2) === slider;
+        }"""
+        assert shown.page.evaluate(seen, each), each
+    assert shown.page.evaluate(COVERED) == [] or size == PHONE
+    shown.page.click("#end")
+
+
+def test_the_first_step_of_a_cobweb_stays_in_the_picture(shown, address):
+    shown.open(f"{address}#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&x0=0.9&web=1&columns=20")
+    low = shown.page.evaluate("() => explorer.views.gap.cobweb.axes.x0")
+    assert low < 0.15 - 0.1 - 0.9**0.5
+
+
+def test_on_a_phone_before_a_room_the_word_stays_beside_what_the_table_is_asked(phone, address):
+    phone.page.goto(address.replace("index.html", "") + "table.html")
+    ask = phone.page.evaluate("async () => (await import('./presets.js')).EXERCISES['The table'][0]")
+    phone.page.evaluate("(ask) => { location.hash = `#table=classic&note=${encodeURIComponent(ask)}`; }", ask)
+    phone.page.reload()
+    phone.page.evaluate(COARSE)
+    phone.until("() => window.pinball?.exits()?.shares && document.getElementById('note').checkVisibility()")
+    phone.page.keyboard.press("p")
+    phone.page.evaluate("() => { pinball.plunge(0.8); for (let i = 0; i < 200; i++) pinball.step(1 / 60); }")
+    box = phone.page.locator("#word").bounding_box()
+    assert len(phone.page.inner_text("#word")) > 3 and box["y"] + box["height"] <= 844
+    assert phone.page.locator("#table").bounding_box()["height"] > 180
+    phone.page.keyboard.press("p")

@@ -34,7 +34,7 @@ export function ordered(known, cells) {
 }
 
 /** A shade of a colour, from the nearest, 0, to the farthest, 1: dark ones lighter, light ones darker, as in the figures. @param {string} colour @param {number} far */
-export function shade(colour, far) {
+function shade(colour, far) {
   const parts = rgb(colour);
   const light = parts.reduce((sum, part, i) => sum + [0.2126, 0.7152, 0.0722][i] * (part / 255) ** 2.2, 0) > 0.25;
   const end = rgb(light ? "#1a1a1a" : colour === PERIODS[0] ? "#d2a679" : "#ffffff");

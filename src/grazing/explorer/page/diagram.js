@@ -22,8 +22,6 @@ import { Axes } from "./plot.js";
 const CHUNK_WORK = 4e5;
 /** A first picture of so few steps is computed in the page, if that takes so few milliseconds: then it is in the next frame. */
 const AT_ONCE = 1.1e6, SOON = 12;
-/** Orbits and steps of a column that are asked for their periods. */
-const ASKED = 8, SEEN = 64;
 /** Rows of a picture that one pixel shows at most. */
 const MOST = 64;
 
@@ -43,7 +41,6 @@ class Raster {
     /** @type {Uint8Array} periods, 0 where none is known */
     this.codes = fitting?.codes.fill(0) ?? new Uint8Array(this.columns * this.bins);
     this.ambiguous = this.ended = 0;
-    this.coloured = false;
   }
 
   /** Put columns that were counted into their places, each `stride` times. @param {number} from @param {Int32Array} counts @param {number} total @param {number} stride */
@@ -114,8 +111,7 @@ export class Diagram {
     this.stage = "empty";
     /** What was asked for last. */
     this.spec = /** @type {Spec} */ (/** @type {unknown} */ (null));
-    /** Milliseconds from `show` to the stages, and pictures that were never begun because another one was asked for. */
-    this.milliseconds = { coarse: NaN, coarsePainted: NaN, full: NaN };
+    /** Pictures that were never begun because another one was asked for. */
     this.skipped = 0;
     this.gestures = new Gestures(this.axes, {
       ready: () => this.#shown !== null,
@@ -213,37 +209,23 @@ export class Diagram {
         put(from, (await batch.run(spec.machine, "raster", { ...this.#job(spec, some), ...quick })).counts);
       });
     }
-    this.milliseconds.coarse = performance.now() - begun;
     [this.#shown, this.#spare] = [made, this.#shown];
     this.stage = "coarse";
     this.paint();
-    this.milliseconds.coarsePainted = performance.now() - begun;
     if (this.#next()) return;
     await onScreen(); // refinement would take the processors from the frame that shows this picture
 
-    const size = CHUNK_WORK / spec.cost, passes = spec.colour ? 2 : 1;
-    await this.#inParts(values, size / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
-      const found = await batch.run(spec.machine, "raster", this.#job(spec, some));
+    await this.#inParts(values, CHUNK_WORK / spec.cost / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
+      const found = await batch.run(spec.machine, "raster", { ...this.#job(spec, some), colour: spec.colour });
       made.put(from, found.counts, spec.starts * spec.keep);
+      if (found.codes) made.codes.set(found.codes, from * made.bins);
       for (let i = 0; i < some.length; i++) {
         made.ambiguous += found.ambiguous[i];
         made.ended += found.ended[i];
       }
-      this.#share += some.length / columns / passes;
+      this.#share += some.length / columns;
       this.#soon();
     });
-    this.milliseconds.full = performance.now() - begun;
-    this.stage = "full";
-    if (spec.colour) {
-      made.coloured = true;
-      const starts = Math.min(ASKED, spec.starts);
-      await this.#inParts(values, size / (ASKED * (spec.transient + SEEN)), async (some, from) => {
-        const found = await batch.run(spec.machine, "periods", { ...this.#job(spec, some), starts, keep: SEEN, tolerance: spec.tolerance });
-        made.codes.set(found.codes, from * made.bins);
-        this.#share += some.length / columns / passes;
-        this.#soon();
-      });
-    }
     this.stage = "done";
     this.paint();
     this.events.done?.();
@@ -257,8 +239,8 @@ export class Diagram {
   }
 
   /** @param {Spec} spec @param {Floats} values */
-  #job({ row, which, low, high, bins, coordinate, starts, transient, keep, seed }, values) {
-    return { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed };
+  #job({ row, which, low, high, bins, coordinate, starts, transient, keep, seed, tolerance }, values) {
+    return { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed, tolerance };
   }
 
   #soon() {
@@ -287,7 +269,7 @@ export class Diagram {
   }
 
   /** @param {Raster} raster @param {Uint32Array} pixels @param {number} W @param {number} H @param {number} thick lines of a period, in pixels */
-  #fill({ spec, columns, bins, counts, codes, totals, coloured }, pixels, W, H, thick) {
+  #fill({ spec, columns, bins, counts, codes, totals }, pixels, W, H, thick) {
     const { plain: ink, chaos, unknown, words } = mixed(), plain = !spec.colour ? ink : this.stage === "done" ? chaos : unknown;
     pixels.fill(0); // transparent: the paper, and what lies under the raster, shows
     const bottoms = Int32Array.from({ length: bins }, (_, b) => H - 1 - Math.floor((b * H) / bins));
@@ -303,7 +285,7 @@ export class Diagram {
       for (let b = 0; b < bins; b++) {
         const count = counts[first + b];
         if (count === 0) continue;
-        const code = coloured ? codes[place + b] || (b > 0 && codes[place + b - 1]) || (b + 1 < bins && codes[place + b + 1]) || 0 : 0;
+        const code = spec.colour ? codes[place + b] || (b > 0 && codes[place + b - 1]) || (b + 1 < bins && codes[place + b + 1]) || 0 : 0;
         const tone = code ? 255 : tones[Math.min(Math.floor(count * scale), strongest)];
         const word = ((tone << 24) | (code ? words[code] : plain)) >>> 0;
         const bottom = bottoms[b];
@@ -317,7 +299,7 @@ export class Diagram {
   /** The periods over the parameter as a strip, of two rows where two orbits are found; empty until they are known. */
   band() {
     const raster = this.#shown, strip = document.createElement("canvas");
-    const c = raster?.coloured && this.stage === "done" && !this.axes.canvas.hidden ? strip.getContext("2d") : null;
+    const c = raster?.spec.colour && this.stage === "done" && !this.axes.canvas.hidden ? strip.getContext("2d") : null;
     if (!raster || !c) return "";
     const { columns, bins, codes } = raster;
     strip.width = columns;

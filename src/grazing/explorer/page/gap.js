@@ -165,7 +165,7 @@ export class GapView extends Beside {
 
   /** The cobweb at μ. @returns {import("./cobweb.js").Web} */
   web() {
-    const { state } = this, { lam, mu, l } = state, seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).filter(Number.isFinite);
+    const { state } = this, { lam, mu, l } = state, seen = this.classes.flatMap((each) => each.points.map(([x]) => x)).concat(stepped(state, state.x0)).filter(Number.isFinite);
     let low = Math.min(mu - l - Math.sqrt(Math.max(mu, 0)), ...seen, state.x0, -0.02), high = Math.max(mu, ...seen, state.x0, 0.02);
     const room = 0.08 * (high - low);
     low -= room;

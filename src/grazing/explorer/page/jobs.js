@@ -37,28 +37,27 @@ function drawn(machine, rows, values, starts, seed) {
   return machine.call("draw", { columns, starts, axes: 1, seed, names: values, boxes }, ["lanes"]).lanes;
 }
 
+/** Orbits and steps of a column that are asked for their periods. */
+const ASKED = 8, SEEN = 64;
+
 /**
- * Counts (columns, bins + 3): below, the parts of the range, above, what is no number.
+ * Counts (columns, bins + 3): below, the parts of the range, above, what is no number; with `colour` periods.
  * @param {Machine} machine
- * @param {Columns & Steps & Range} job
+ * @param {Columns & Steps & Range & {colour?: boolean, tolerance: number}} job
  */
-export function raster(machine, { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed }) {
-  const columns = values.length;
-  const rows = rowsOf(row, which, values);
-  const lanes = drawn(machine, rows, values, starts, seed);
-  const found = machine.call(
+export function raster(machine, job) {
+  const { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed, colour } = job;
+  const columns = values.length, rows = rowsOf(row, which, values);
+  const { counts, ended, ambiguous, lanes } = machine.call(
     "density",
-    { columns, starts, rows, lanes, transient, keep, coordinate, low, high, bins },
-    ["counts", "ended", "ambiguous"],
+    { columns, starts, rows, lanes: drawn(machine, rows, values, starts, seed), transient, keep, coordinate, low, high, bins },
+    ["counts", "ended", "ambiguous", "lanes"],
   );
-  return { counts: found.counts, ended: found.ended, ambiguous: found.ambiguous };
+  return { counts, ended, ambiguous, codes: colour ? codesOf(machine, job, rows, lanes) : undefined };
 }
 
-/** Follow orbits and find what they settle on. @param {Machine} machine @param {Columns & Steps & {tolerance: number}} job */
-export function settled(machine, { row, which, values, starts, transient, keep, seed, tolerance }) {
-  const columns = values.length;
-  const rows = rowsOf(row, which, values);
-  const lanes = drawn(machine, rows, values, starts, seed);
+/** Follow orbits and find what they settle on. @param {Machine} machine @param {Steps & {columns: number, rows: Floats, lanes: Floats, tolerance: number}} job */
+function settled(machine, { columns, rows, lanes, starts, transient, keep, tolerance }) {
   const sizes = { columns, starts, keep };
   const orbits = machine.call("orbits", { ...sizes, rows, lanes, transient }, ["points", "letters", "outcomes"]);
   const classes = machine.call("classify", { ...sizes, rows, ...orbits, tolerance }, ["period", "key", "begin", "length"]);
@@ -67,27 +66,24 @@ export function settled(machine, { row, which, values, starts, transient, keep, 
 }
 
 /**
- * The period of the orbits that visit each part of the raster; 0 where none was found.
- * @param {Machine} machine
- * @param {Columns & Steps & Range & {tolerance: number}} job
+ * The period of the orbits that go on from `lanes` through each part of the raster; 0 where none was found.
+ * @param {Machine} machine @param {Parameters<typeof raster>[1]} job @param {Floats} rows @param {Floats} lanes
  */
-export function periods(machine, job) {
-  const { values, low, high, bins, coordinate, starts, keep } = job;
-  const dimension = machine.described.coordinates.length;
-  const found = settled(machine, job);
-  const codes = new Uint8Array(values.length * bins);
-  const scale = bins / (high - low);
-  for (let q = 0; q < values.length; q++) {
-    for (let j = 0; j < starts; j++) {
-      const period = found.period[q * starts + j];
-      if (period < 1) continue;
-      for (let n = 0; n < Math.min(period, keep); n++) {
-        const x = found.points[((q * keep + n) * dimension + coordinate) * starts + j];
-        if (x >= low && x <= high) codes[q * bins + Math.min(Math.floor((x - low) * scale), bins - 1)] = Math.min(period, 255);
+function codesOf(machine, { values, low, high, bins, coordinate, starts, tolerance }, rows, lanes) {
+  const dimension = machine.described.coordinates.length, columns = values.length, few = Math.min(ASKED, starts);
+  const first = lanes.filter((_, i) => i % starts < few);
+  const { period, points } = settled(machine, { columns, rows, lanes: first, starts: few, transient: 0, keep: SEEN, tolerance });
+  const codes = new Uint8Array(columns * bins), scale = bins / (high - low);
+  for (let q = 0; q < columns; q++) {
+    for (let j = 0; j < few; j++) {
+      const N = period[q * few + j];
+      for (let n = 0; n < Math.min(N, SEEN); n++) {
+        const x = points[((q * SEEN + n) * dimension + coordinate) * few + j];
+        if (x >= low && x <= high) codes[q * bins + Math.min(Math.floor((x - low) * scale), bins - 1)] = Math.min(N, 255);
       }
     }
   }
-  return { codes };
+  return codes;
 }
 
 export const CHATTER = -1;
@@ -136,7 +132,8 @@ export const DRAWN = 64;
  * @param {{row: Floats, which: number, value: number, starts?: number, transient: number, keep?: number, seed: number, tolerance: number}} job
  */
 export function found(machine, { row, which, value, starts = 16, transient, keep = 128, seed, tolerance }) {
-  const made = settled(machine, { row, which, values: Float64Array.of(value), starts, transient, keep, seed, tolerance });
+  const values = Float64Array.of(value), rows = rowsOf(row, which, values);
+  const made = settled(machine, { columns: 1, rows, lanes: drawn(machine, rows, values, starts, seed), starts, transient, keep, tolerance });
   const dimension = machine.described.coordinates.length;
   /** @type {Class[]} */
   const classes = [];
@@ -303,4 +300,4 @@ export function sweep(machine, { row, which, values, seed, transient, keep }) {
   return { up: way(order), down: way([...order].reverse()) };
 }
 
-export const JOBS = { raster, periods, extent, chart, basins, found, sweep, exits };
+export const JOBS = { raster, extent, chart, basins, found, sweep, exits };

@@ -98,7 +98,7 @@ export class Machine {
 }
 
 /** Calls kernels where the server computes, at once as in a module: the page waits for the answer. */
-export class Served extends Machine {
+class Served extends Machine {
   /** @param {Module} described */
   constructor(described) {
     super(/** @type {any} */ ({ exports: {} }), described);

@@ -50,8 +50,8 @@ let pool = null;
 let guide;
 /** @type {Pinned | undefined} */
 let pinned;
-/** The address as the page wrote or read it. */
-let linked = "";
+/** The address as the page wrote or read it, the text that asked last for sliders, and the note when a hand last acted. */
+let linked = "", asked = "", acted = "";
 /** What makes another scene. */
 const SCENE = ["view", "chart", "vary", "second", "law", "tour"];
 /** Milliseconds without a change after which the address follows. */
@@ -103,6 +103,7 @@ function change(given) {
     delete next[key];
   }
   const { vary, second } = state;
+  acted = "note" in next ? "" : state.note;
   if (SCENE.some((key) => key in next && next[key] !== part(state, key))) leave();
   Object.assign(state, next);
   mended(state, fields);
@@ -178,6 +179,10 @@ function render() {
   if (fields[state.vary]) controls.reach.name?.(plainSymbol(fields[state.vary]));
   for (const name of /** @type {("twin" | "sweeps")[]} */ (["twin", "sweeps"])) $(name).setAttribute("aria-pressed", String(state[name]));
   guide?.(state);
+  const { text = "", question } = TOUR[state.tour - 1] ?? {}, asks = [state.note, text, question?.ask].join(" ");
+  if (asks !== asked) for (const name of VARIED) controls[name].box.classList.toggle("asked", RegExp(`(?<!\\p{L})${plainSymbol(fields[name])}(?![\\p{L}²_])`, "u").test(asks));
+  asked = asks;
+  if (acted !== state.note) fold();
   typeset($("hint"), ((!still(state) || ownOf(state)) && HINTS[`${shown}-${state.two ? "two" : "moving"}`]) || HINTS[shown]);
   if ($("preset").value && !($("preset").value in PRESETS && isFigure(state, $("preset").value))) $("preset").value = "";
   clearTimeout(linking);
@@ -213,6 +218,9 @@ function address() {
   linked = location.hash;
   stepped = false;
 }
+
+/** What an exercise asks takes one line once a hand has acted, until it is clicked. */
+const fold = () => $("note").classList.toggle("folded", acted !== "" && acted === state.note);
 
 /** Another scene comes: the one that is left is a step of the history, to which Back leads. */
 function leave() {
@@ -290,7 +298,10 @@ function build() {
   Object.assign(controls, panel({ fields, change, problem, state: () => state }));
   for (const button of all("[data-view]")) {
     button.hidden = !CHOICES.view.includes(button.dataset.view ?? "");
-    button.addEventListener("click", () => change({ view: button.dataset.view, ...(button.dataset.view === "chart" ? { chart: chartOf(state) } : {}) }));
+    button.addEventListener("click", () => {
+      const { view } = button.dataset, gone = Object.values(EXERCISES).some(([ask, link]) => ask === state.note && !link.includes(`view=${view}&`) && !ask.includes(`(${button.textContent})`));
+      change({ view, ...(gone && { note: "" }), ...(view === "chart" ? { chart: chartOf(state) } : {}) });
+    });
   }
   $("preset").hidden = $("tour").hidden = Boolean(BROUGHT.model?.map);
   for (const [name, { title }] of Object.entries(PRESETS)) $("preset").add(new Option(`${name}  ${title}`, name));
@@ -354,6 +365,7 @@ function build() {
     if (/** @type {HTMLElement} */ (target).tagName !== "CANVAS" || defaultPrevented || ctrlKey || metaKey || altKey || /^(Arrow|Enter)/.test(key)) return;
     if (offered(event, seen().filter((each) => each !== target)) >= 0) event.preventDefault();
   });
+  for (const end of ["pointerup", "keyup"]) addEventListener(end, () => setTimeout(fold)); // and not under a hand that drags
   const sizes = new ResizeObserver(again);
   for (const canvas of all(".view canvas")) sizes.observe(canvas);
 }
