@@ -201,18 +201,24 @@ def test_memory_is_steady_over_ten_minutes(shown, address, page, ready, minute, 
     assert max(heap[5:]) < max(heap[1:5]) + 200_000, sizes
 
 
-#: Impacts in a period between two walls at d = 0.12, counted, and as the page estimates them.
+#: Impacts in a period between two walls at d = 0.12, and on one that kicks what is pressed on it, counted, and as the
+#: page estimates them; a letter of one wall is a count.
 COUNTED = """async () => {
   const {machine, state} = explorer.views.oscillator;
   const {crossings} = await import("./walls.js"), {rowOf} = await import("./flow.js");
   const count = (k) => (k > 0 ? 1 + count(Math.floor(k / 3)) : 0);
-  return [[0.12, 0.4, 0], [0.2, 0.4, 0.2], [0.5, 0.4, 0.4], [0.15, 0, 0], [1.5, 0.2, 0],
+  const counted = (each, u, count) => {
+    const {letters} = machine.call("orbits", {columns: 1, starts: 1, keep: 100, rows: rowOf(machine, each),
+      lanes: Float64Array.of(u, 0.1), transient: 50}, ["letters"]);
+    return [letters.reduce((sum, k) => sum + count(k), 0) / 100, crossings(each)];
+  };
+  const one = [{offset: -10}, {offset: -100}, {offset: -100, V: 0.1}, {sigma: 50}, {sigma: 20, k: 3}, {offset: -1e4}];
+  const alone = one.map((part) => counted({...state, ...part}, (part.sigma ?? 0) + 0.05, (k) => k));
+  return [...alone, ...[[0.12, 0.4, 0], [0.2, 0.4, 0.2], [0.5, 0.4, 0.4], [0.15, 0, 0], [1.5, 0.2, 0],
     [0.2, 0, 0, 0.5], [0.5, 0, 0, 0.5]].map(([sigma_B, V, V_B, cos_A = 0]) => {
     const each = {...state, two: true, sigma_B, V, V_B, cos_A, alpha: 0.1, omega: 2.6};
-    const {letters} = machine.call("orbits", {columns: 1, starts: 1, keep: 100, rows: rowOf(machine, each),
-      lanes: Float64Array.of(0.05 + cos_A, 0.1), transient: 50}, ["letters"]);
-    return [letters.reduce((sum, k) => sum + count(k), 0) / 100, crossings(each)];
-  });
+    return counted(each, 0.05 + cos_A, count);
+  })];
 }"""
 
 
@@ -221,6 +227,14 @@ def test_the_page_knows_how_often_walls_are_hit(shown, address):
     shown.settle()
     for counted, guessed in shown.page.evaluate(COUNTED):
         assert guessed < 3.0 * max(counted, 1.0) and counted < 3.0 * max(guessed, 1.0), (counted, guessed)
+
+
+@pytest.mark.parametrize("view", ["ball", "oscillator"])
+@pytest.mark.parametrize("pressed", ["offset=-10000", "sigma=1e100"])
+def test_a_ball_that_is_pressed_on_a_wall_that_kicks_does_not_keep_the_page(shown, address, view, pressed):
+    """The page counted one impact in a period where there are thousands, and did by itself what takes minutes."""
+    shown.page.goto(f"{address}#version=2&view={view}&vary=r&reach=0.5:0.9&columns=20&{pressed}")
+    shown.until("() => new Promise((done) => requestAnimationFrame(() => setTimeout(() => done(true), 300)))")
 
 
 def test_a_picture_that_takes_long_begins_with_few_orbits_and_says_how_far_it_is(shown, address):

@@ -1,3 +1,4 @@
+import os
 import pickle
 import sys
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -179,11 +180,11 @@ def test_a_worker_that_does_not_see_the_disk(tmp_path, monkeypatch):
     sweep.run(plan(), tmp_path / "a.zarr", chunk=1, shard=(1, 2))
     found = task.open_existing(tmp_path / "a.zarr")
     with pytest.raises(gz.GrazingError, match=r"worker .*there is no sweep in .*on a disk that all workers share"):
-        task.compute_chunk(str(tmp_path / "b.zarr"), found.token, "", "", False, 0)
+        task.compute_chunk(str(tmp_path / "b.zarr"), found.token, "", "", False, False, 0)
     with pytest.raises(gz.GrazingError, match=r"is not the store that the run began with"):
-        task.compute_chunk(str(tmp_path / "a.zarr"), "other", "", "", False, 0)
+        task.compute_chunk(str(tmp_path / "a.zarr"), "other", "", "", False, False, 0)
     with pytest.raises(gz.GrazingError, match=r"finds no plan in .*No such file"):
-        task.compute_chunk(str(tmp_path / "a.zarr"), found.token, "0" * 64, "", False, 0)
+        task.compute_chunk(str(tmp_path / "a.zarr"), found.token, "0" * 64, "", False, False, 0)
 
 
 def test_a_pickle_that_the_run_did_not_write_is_not_opened(tmp_path):
@@ -191,7 +192,7 @@ def test_a_pickle_that_the_run_did_not_write_is_not_opened(tmp_path):
     found = task.open_existing(tmp_path / "a.zarr")
     (found.aside / f"plan-{'0' * 64}.pickle").write_bytes(pickle.dumps(pytest.fail))
     with pytest.raises(gz.GrazingError, match=r"is not the one that the run put there"):
-        task.compute_chunk(str(tmp_path / "a.zarr"), found.token, "0" * 64, "", False, 0)
+        task.compute_chunk(str(tmp_path / "a.zarr"), found.token, "0" * 64, "", False, False, 0)
 
 
 @pytest.mark.parametrize("error", [BrokenExecutor("a process in the pool died"), ZeroDivisionError("mine")])
@@ -240,7 +241,7 @@ def test_workers_run_the_code_that_the_run_named_and_none_that_the_store_names(t
     found, sha = task.open_existing(store), some.document["grazing_code_sha256"]
     task._plans.clear()  # as in another process
     with pytest.raises(gz.InputError, match="is code that a file names"):
-        task.compute_chunk(str(store), found.token, "", sha, False, 1)
+        task.compute_chunk(str(store), found.token, "", sha, False, False, 1)
     for call in (sweep.resume, sweep.verify):
         with pytest.raises(gz.InputError, match=f"name it in this call: --map {code}:P; in Python code='trust'"):
             call(store)
@@ -248,3 +249,62 @@ def test_workers_run_the_code_that_the_run_named_and_none_that_the_store_names(t
     assert task.own_of(some) == {"map": f"{code}:P"}
     assert sweep.run(some, store, executor=Elsewhere()).complete
     assert sweep.verify(store, 1.0, code="trust").ok and sweep.resume(store, code="trust").complete
+
+
+class Kept(Elsewhere):
+    """Workers that go on from run to run; a chunk of the first is lost."""
+
+    kept = None
+
+    def __init__(self):
+        super().__init__(3, BrokenExecutor("a process in the pool died"))
+
+    def again(self):
+        """Go on, with what workers have kept, and nothing that this process has."""
+        self.kept, self.fail_at = dict(task._plans), None
+
+    def submit(self, function, *args):
+        if self.kept is not None:
+            task._plans.clear()
+            task._plans.update(self.kept)
+            self.kept = None
+        return super().submit(function, *args)
+
+
+def test_workers_that_go_on_do_what_the_next_run_says(tmp_path, monkeypatch):
+    """They went on with what an earlier run had asked: its step, though another was allowed, and without fsync."""
+    code, store = tmp_path / "mine.py", tmp_path / "a.zarr"
+    settings = {"starts": 2, "bins": 4, "range": [0.0, 1.0]}
+    config = {"study": "density", "map": f"{code}:P", "vary": {"a": "3:3.4:4"}, "settings": settings}
+
+    def written(top):
+        code.write_text(
+            "import grazing as gz\n"
+            f"def step(state, p):\n    (x,) = state\n    return (p.a * x * ({top} - x),)\n"
+            "P = gz.Map(step, params={'a': 3.2}, coordinates=('x',), box=((0.1, 0.9),), name='logistic map')\n"
+        )
+        return plan_of(config, code="trust")
+
+    workers = Kept()
+    with pytest.raises(gz.GrazingError, match="resume it"):
+        sweep.run(written("1.0"), store, chunk=1, executor=workers)
+    other = written("1.1")
+    workers.again()
+    synced = []
+    monkeypatch.setattr(os, "fsync", synced.append)
+    assert sweep.run(other, store, executor=workers, other_code=True, fsync=True).complete
+    found = task.open_existing(store)
+    makers = [found.record(number).made_by["code"] for number in range(4)]
+    assert makers[2] == other.document["grazing_code_sha256"] and makers[0] == makers[1] == makers[3] != makers[2]
+    assert len(synced) > len(found.files_of(2))
+
+
+def test_workers_of_other_code_are_refused_though_an_earlier_run_allowed_them(tmp_path, monkeypatch):
+    monkeypatch.setattr("grazing.config.plan_of", lambda recipe: plan(recipe=recipe, P=another()), raising=False)
+    workers = Kept()
+    with pytest.raises(gz.GrazingError, match="resume it"):
+        sweep.run(plan(recipe={}), tmp_path / "a.zarr", chunk=1, executor=workers, other_code=True)
+    workers.again()
+    with pytest.raises(gz.GrazingError, match=r"has other code than the run: code is .*Use the same Python"):
+        sweep.run(plan(recipe={}), tmp_path / "a.zarr", executor=workers)
+    assert sweep.status(tmp_path / "a.zarr").chunks_done == 6

@@ -15,7 +15,7 @@ from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
 from grazing.outcome import AMBIGUOUS, FATAL, InputError, level_outside, shown
-from grazing.parameter import checked_name, whole
+from grazing.parameter import checked_name, in_order, real, whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
@@ -166,8 +166,8 @@ def checked_range(ends: object) -> tuple[float, float]:
     """Return the ends of a raster, or raise InputError."""
     wanted = f"range = {shown(ends)}; give (low, high), finite, low < high"
     try:
-        low, high = (float(end) for end in ends)  # type: ignore[attr-defined]
-    except (TypeError, ValueError):
+        low, high = (real(end, "range", wanted) for end in in_order(ends))
+    except (TypeError, ValueError, InputError):
         raise InputError(wanted) from None
     if not (-np.inf < low < high < np.inf and np.isfinite(high - low)):
         raise InputError(wanted)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Callable, Sequence
 from concurrent.futures import (
     FIRST_COMPLETED,
@@ -18,7 +17,7 @@ from functools import partial
 from grazing.outcome import GrazingError, in_one_line
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.store import Store
-from grazing.sweep.task import code_of, compute_chunk, own_of, send_plan
+from grazing.sweep.task import compute_chunk, own_of, send_plan
 
 #: Chunks handed out at a time: enough for any cluster, few enough to call back.
 WINDOW = 2000
@@ -41,9 +40,8 @@ def run_on_executor(
     GrazingError
         If workers or the executor are lost for good; the store can be resumed.
     """
-    name = send_plan(plan, store, needed=not isinstance(executor, ThreadPoolExecutor))
-    code = "" if other_code else code_of(plan)
-    task = partial(compute_chunk, os.fspath(store.path), store.token, name, code, store.fsync, own=own_of(plan))
+    asked = send_plan(plan, store, not isinstance(executor, ThreadPoolExecutor), other_code)
+    task = partial(compute_chunk, *asked, own=own_of(plan))
     waiting = iter(numbers)
     pending: set[Future[int | GrazingError]] = set()
     finished = 0

@@ -32,7 +32,10 @@ TIMES = "times"
 MOST_SECONDS = 1e9
 #: Plans that a worker keeps.
 KEPT = 4
-_plans: dict[tuple[str, str, str], tuple[Plan, Store]] = {}
+#: Path and token of a store, the name of the plan, who makes chunks, whether others may, and whether to force the disk.
+Asked = tuple[str, str, str, str, bool, bool]
+#: By all that a run says to its workers, which may serve the next one too.
+_plans: dict[Asked, tuple[Plan, Store]] = {}
 _lock = Lock()
 
 
@@ -81,8 +84,8 @@ def time_of_work(store: Store) -> float:
 # ---- workers: they get indices; the plan they find in the store
 
 
-def send_plan(plan: Plan, store: Store, needed: bool) -> str:
-    """Put a plan where workers find it; return its name, empty for a recipe.
+def send_plan(plan: Plan, store: Store, needed: bool, other_code: bool = False) -> Asked:
+    """Put a plan where workers find it; return what :func:`compute_chunk` takes but for the chunk.
 
     Parameters
     ----------
@@ -90,6 +93,8 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
     store : Store
     needed : bool
         False for workers that are threads of this process: they need no copy.
+    other_code : bool
+        Whether workers may have other code than this process.
 
     Raises
     ------
@@ -109,12 +114,20 @@ def send_plan(plan: Plan, store: Store, needed: bool) -> str:
                         aside.remove(old)
         except OSError as error:
             raise GrazingError(f"{store.path} cannot be written: {error.strerror or error}") from error
-    _keep((os.fspath(store.path), store.token, name), (plan, store))
-    return name
+    asked = (os.fspath(store.path), store.token, name, code_of(plan), other_code, store.fsync)
+    _keep(asked, (plan, store))
+    return asked
 
 
 def compute_chunk(
-    path: str, token: str, name: str, code: str, fsync: bool, number: int, own: Mapping[str, str] | None = None
+    path: str,
+    token: str,
+    name: str,
+    code: str,
+    other_code: bool,
+    fsync: bool,
+    number: int,
+    own: Mapping[str, str] | None = None,
 ) -> int:
     """Compute one chunk on a worker and write it.
 
@@ -125,9 +138,11 @@ def compute_chunk(
     token : str
         Of the store that is meant, see :class:`grazing.sweep.store.Store`.
     name : str
-        What :func:`send_plan` returned.
+        Of the plan beside the store, empty for that of its recipe.
     code : str
-        Who makes chunks in the run, see :func:`code_of`; empty if workers may differ from it.
+        Who makes chunks in the run, see :func:`code_of`.
+    other_code : bool
+        Whether workers may differ from it.
     fsync : bool
         Whether to force what is written to the disk.
     number : int
@@ -135,7 +150,7 @@ def compute_chunk(
     own : mapping, optional
         What :func:`own_of` returned: code that the call of the run named. What the store names runs nothing.
     """
-    plan, store = _plan_on_worker(path, token, name, code, fsync, own)
+    plan, store = _plan_on_worker((path, token, name, code, other_code, fsync), own)
     for _tile in chunk_task(plan, store, number):
         pass
     return number
@@ -154,12 +169,11 @@ def own_of(plan: Plan) -> dict[str, str]:
     return {key: str(recipe[key]) for key in KEYS if isinstance(recipe.get(key), Named)}
 
 
-def _plan_on_worker(
-    path: str, token: str, name: str, code: str, fsync: bool, own: Mapping[str, str] | None
-) -> tuple[Plan, Store]:
+def _plan_on_worker(asked: Asked, own: Mapping[str, str] | None) -> tuple[Plan, Store]:
     with _lock:
-        if (path, token, name) in _plans:
-            return _plans[path, token, name]
+        if asked in _plans:
+            return _plans[asked]
+    path, token, name, code, other_code, fsync = asked
     where = f"worker {os.getpid()} on {socket.gethostname()}"
     try:
         store = open_existing(Path(path), fsync)
@@ -172,19 +186,19 @@ def _plan_on_worker(
         refuse_another(store, plan, other_code=True)  # whether that is allowed, the run has decided
     except InputError as error:
         raise GrazingError(f"{where} has another plan than the run: {error}") from error
-    if code and code_of(plan) != code:
+    if not other_code and code_of(plan) != code:
         differs = listed(store.begun_by, made_by(plan)) or "the run has other code than the sweep was begun with"
         raise GrazingError(
             f"{where} has other code than the run: {differs}. Use the same Python, packages and kind of processor "
             f"there, or allow the mixture with other_code=True"
         )
-    _keep((path, token, name), (plan, store))
+    _keep(asked, (plan, store))
     return plan, store
 
 
-def _keep(key: tuple[str, str, str], found: tuple[Plan, Store]) -> None:
+def _keep(asked: Asked, found: tuple[Plan, Store]) -> None:
     with _lock:
-        _plans[key] = found
+        _plans[asked] = found
         while len(_plans) > KEPT:
             del _plans[next(iter(_plans))]
 

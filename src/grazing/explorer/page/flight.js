@@ -14,6 +14,8 @@ import { moved, still } from "./walls.js";
 /** @typedef {[number, number, string]} Rest from and to, in time since the throw, and the name of the wall */
 
 const CAPACITY = 512, WIDTH = 11, AHEAD = 3;
+/** Legs of the few periods that are known, at most: maps give up at 10,000 impacts in one. */
+const MOST = 1e5;
 /** Legs of a flight that is drawn, and points of the curve on each, where they are many. */
 const LEGS = 800, POINTS = 6;
 /** Samples in a period. */
@@ -83,7 +85,7 @@ export class Flight {
       const goal = this.#known + AHEAD * T;
       const { result, legs, state } = this.machine.call("legs", { capacity: CAPACITY, row: this.row, state: this.end, until: goal, patience: PATIENCE }, ["legs", "state"]);
       const count = Number(result), reached = state[0] * T + state[1];
-      if (count === 0 || !(reached > this.#known)) return false;
+      if (count === 0 || !(reached > this.#known) || this.#legs.length > MOST * WIDTH) return false;
       this.#legs.push(...legs.subarray(0, count * WIDTH));
       this.#known = reached;
       this.end = state;

@@ -20,6 +20,9 @@ export const ORDERS = ["lowest", "full", "corrected"];
 /** @param {number} low @param {number} high */
 const pair = (low, high) => /** @type {Pair} */ ([low, high]);
 
+/** Numbers of a ball beyond which squares of its speed are none: each of its flights would take seconds. */
+const LARGEST = 1e100;
+
 /** How far sliders reach; what a number field accepts is said in kernels.json. */
 /** @type {Record<string, Pair>} */
 export const GAP_EXTENTS = { lam: [0.02, 0.98], l: [0, 1.5], mu: [-0.2, 1.2] };
@@ -134,6 +137,7 @@ export function refusal(name, value, fields) {
   const field = fields[name];
   if (Number.isNaN(value)) return `${name} is not a number`;
   if (!Number.isFinite(value)) return `${name} is too large; numbers of double precision end at ±1.8e308`;
+  if (name in OSCILLATOR_EXTENTS && Math.abs(value) > LARGEST) return `${name} = ${value}; allowed is |${name}| ≤ ${LARGEST}`;
   const low = field?.low ?? null, high = field?.high ?? null;
   if ((low !== null && (value < low || (field.open_low && value === low))) || (high !== null && value > high)) {
     const least = low === null ? "" : `${name} ${field.open_low ? ">" : "≥"} ${low}`;

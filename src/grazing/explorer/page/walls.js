@@ -24,14 +24,14 @@ export function moved({ cos_A, sin_A, omega, t0 }, t) {
 export const ceiling = ({ two, sigma_B }) => (two ? sigma_B : Infinity);
 
 /**
- * How often a ball between two walls hits them in a period, about: it crosses the room as fast as kicks and bounces make it, or the
- * force alone, and the walls come towards it by four swings. 0 for one wall.
- * @param {Walls & {law: string, r: number, r_B: number, V: number, V_B: number, cos1: number, sin1: number}} state
+ * How often a ball hits walls in a period, about. Between two it crosses the room as fast as kicks and bounces make it, or the force
+ * alone, and the walls come towards it by four swings; against one that kicks spring and force press it again and again.
+ * @param {Walls & {law: string, k: number, offset: number, r: number, r_B: number, V: number, V_B: number, cos1: number, sin1: number}} state
  */
 export function crossings(state) {
-  const { two, sigma, sigma_B, omega, law, r, r_B, V, V_B, cos1, sin1 } = state;
-  if (!two) return 0;
-  const kick = kicks({ law, V, V_B }), kicked = (Number(kick.below) * V * (1 + r_B) + Number(kick.above) * V_B * (1 + r)) / (2 * Math.max(1 - r * r_B, 0.05));
+  const { two, sigma, sigma_B, omega, law, k, offset, r, r_B, V, V_B, cos1, sin1 } = state, kick = kicks({ law, V, V_B });
+  if (!two) return kick.below ? Math.max(0, (Math.PI / omega) * (k * k * sigma - offset + Math.hypot(cos1, sin1)) * ((1 - r) / V)) : 0;
+  const kicked = (Number(kick.below) * V * (1 + r_B) + Number(kick.above) * V_B * (1 + r)) / (2 * Math.max(1 - r * r_B, 0.05));
   return (((2 * Math.PI) / omega) * Math.max(kicked, Math.hypot(cos1, sin1) / omega / 2) + 4 * swing(state)) / Math.max(sigma_B - sigma, ROOM);
 }
 
