@@ -20,12 +20,14 @@ import { Axes } from "./plot.js";
 
 /** Steps of the gap map in one job: so short that a new picture need not wait for one that is under way. */
 const CHUNK_WORK = 4e5;
-/** A first picture of so few steps is computed in the page, if that takes so few milliseconds: then it is in the next frame. */
+/** A first picture of so few steps is computed in the page, if that takes so few milliseconds. */
 const AT_ONCE = 1.1e6, SOON = 12;
+/** Milliseconds between pictures: each takes the processors from what it shows. */
+const PAUSE = 200;
 /** Rows of a picture that one pixel shows at most. */
 const MOST = 64;
 
-/** What is known of a diagram. Takes the arrays of another one that nobody needs any more, if they fit. */
+/** What is known of a diagram. Takes the arrays of one that nobody needs, if they fit. */
 class Raster {
   /** @param {Spec} spec @param {Raster | null} old */
   constructor(spec, old) {
@@ -244,10 +246,10 @@ export class Diagram {
   }
 
   #soon() {
-    this.#asked ||= requestAnimationFrame(() => {
+    this.#asked ||= setTimeout(() => {
       this.#asked = 0;
       this.paint();
-    });
+    }, PAUSE);
   }
 
   /** Draw what is known now: the strongest tone of all parts of the raster that share a pixel, so that no line is lost. */
