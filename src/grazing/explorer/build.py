@@ -128,9 +128,7 @@ def build(folder: Path) -> None:
         text["modules"][name] |= {"bytes": len(code), "sha256": hashlib.sha256(code).hexdigest()}
         print(f"{name}.wasm: {len(code)} bytes", file=sys.stderr, flush=True)
     (folder / TABLES).write_text(tables_text(), encoding="utf-8")
-    (folder / DESCRIPTION).write_text(
-        json.dumps(text, indent=0, separators=(",", ":"), sort_keys=True) + "\n", encoding="utf-8"
-    )
+    (folder / DESCRIPTION).write_text(json.dumps(text, separators=(",", ":"), sort_keys=True) + "\n", encoding="utf-8")
 
 
 def rebuild(folder: Path) -> None:
