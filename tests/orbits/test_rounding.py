@@ -103,3 +103,17 @@ def test_a_pitchfork_and_the_crossing_of_a_torus_map_lie_in_their_brackets():
     P = gz.Map(delayed, {"r": 1.8}, coordinates=("x", "y"), box=((0.0, 1.0),) * 2)
     for orbit in gz.periodic_orbits(P, 1):
         held(gz.continuation(P, orbit, "r", (0.5, 2.4)), {"bp": [mp.mpf(1)], "ns": [mp.mpf(2)]}, 1e-6)
+
+
+def pitchfork(state, p):
+    u = state[0] - p.c
+    return (p.c + p.m * u - p.q * u * u * u,)
+
+
+def test_a_turn_at_a_pitchfork_far_from_0_lies_in_its_bracket():
+    """Its defect is less than the last digit of the points, so that it seemed to be none at all."""
+    c, s = 211.0464131975887, 64.21652362419843
+    P = gz.Map(pitchfork, {"m": 1.5, "q": 1.0 / s**2, "c": c}, box=((c - 1.9 * s, c + 1.7 * s),))
+    wanted = {"lp": [mp.mpf(1)], "bp": [mp.mpf(1)]}
+    branches = [gz.continuation(P, orbit, "m", (-2.0, 2.8)) for orbit in gz.periodic_orbits(P, 1)]
+    assert sum(held(branch, wanted, 1e-6) for branch in branches) >= 2

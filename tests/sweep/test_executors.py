@@ -3,6 +3,7 @@ import pickle
 import sys
 from concurrent.futures import BrokenExecutor, Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from multiprocessing import get_context
+from threading import Barrier
 
 import pytest
 
@@ -249,6 +250,20 @@ def test_workers_run_the_code_that_the_run_named_and_none_that_the_store_names(t
     assert task.own_of(some) == {"map": f"{code}:P"}
     assert sweep.run(some, store, executor=Elsewhere()).complete
     assert sweep.verify(store, 1.0, code="trust").ok and sweep.resume(store, code="trust").complete
+
+
+def test_threads_serve_any_number_of_runs_at_once(tmp_path):
+    """Workers keep a few plans: one that other runs had driven out was looked for in a recipe that there is not."""
+    count = task.KEPT + 3
+    begun = Barrier(count)
+
+    def run(i):
+        some = plan(n=8)
+        begun.wait()
+        return sweep.run(some, tmp_path / f"{i}.zarr", chunk=1, executor=pool).complete
+
+    with ThreadPoolExecutor(2) as pool, ThreadPoolExecutor(count) as runs:
+        assert all(runs.map(run, range(count)))
 
 
 class Kept(Elsewhere):

@@ -190,6 +190,10 @@ class Equations(ABC):
         found = [self.defects(*one) for one in zip(x, p, strict=True)]
         return np.array([F for F, _J in found]), np.array([J for _F, J in found])
 
+    def rounded(self, x: Floats) -> Floats:
+        """Return by how much rounding of what defects are the difference of may move them, which probes do not see."""
+        return np.zeros_like(x)
+
     def heights(self, x: Floats, p: Floats, index: int, kind: tuple[str, int]) -> Floats:
         """Return a test function (k,) by its place at several points, x (k, n) and p (k, names).
 

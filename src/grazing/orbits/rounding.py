@@ -65,6 +65,7 @@ def moved_by_rounding(
     if not (np.isfinite(here).all() and np.isfinite(A).all()):
         return float("inf")
     off = np.abs(here) + noise(both, here, size) + EPS * (np.abs(A) @ np.abs(z))
+    off[:-1] += equations.rounded(x)  # of numbers far from 0, whose digits end before the defect's
     off[-1] += test.error + (4.0 * EPS if test.type in OF_MULTIPLIERS else 0.0)
     if along is None:
         return shift_of(A, off) * float(equations.spans[-1])

@@ -17,7 +17,7 @@ from functools import partial
 from grazing.outcome import GrazingError, in_one_line
 from grazing.studies.plan import Plan, Progress
 from grazing.sweep.store import Store
-from grazing.sweep.task import compute_chunk, own_of, send_plan
+from grazing.sweep.task import compute_chunk, finish_chunk, own_of, send_plan
 
 #: Chunks handed out at a time: enough for any cluster, few enough to call back.
 WINDOW = 2000
@@ -40,8 +40,10 @@ def run_on_executor(
     GrazingError
         If workers or the executor are lost for good; the store can be resumed.
     """
-    asked = send_plan(plan, store, not isinstance(executor, ThreadPoolExecutor), other_code)
-    task = partial(compute_chunk, *asked, own=own_of(plan))
+    if isinstance(executor, ThreadPoolExecutor):  # threads of this process have the plan at hand
+        task = partial(finish_chunk, plan, store)
+    else:
+        task = partial(compute_chunk, *send_plan(plan, store, other_code), own=own_of(plan))
     waiting = iter(numbers)
     pending: set[Future[int | GrazingError]] = set()
     finished = 0

@@ -84,15 +84,13 @@ def time_of_work(store: Store) -> float:
 # ---- workers: they get indices; the plan they find in the store
 
 
-def send_plan(plan: Plan, store: Store, needed: bool, other_code: bool = False) -> Asked:
+def send_plan(plan: Plan, store: Store, other_code: bool = False) -> Asked:
     """Put a plan where workers find it; return what :func:`compute_chunk` takes but for the chunk.
 
     Parameters
     ----------
     plan : Plan
     store : Store
-    needed : bool
-        False for workers that are threads of this process: they need no copy.
     other_code : bool
         Whether workers may have other code than this process.
 
@@ -102,7 +100,7 @@ def send_plan(plan: Plan, store: Store, needed: bool, other_code: bool = False) 
         For a plan that has no recipe and cannot be pickled.
     """
     name = ""
-    if store.recipe is None and needed:
+    if store.recipe is None:
         content = _pickled(plan)
         name = hashlib.sha256(content).hexdigest()
         file = store.aside / f"plan-{name}.pickle"
@@ -150,7 +148,11 @@ def compute_chunk(
     own : mapping, optional
         What :func:`own_of` returned: code that the call of the run named. What the store names runs nothing.
     """
-    plan, store = _plan_on_worker((path, token, name, code, other_code, fsync), own)
+    return finish_chunk(*_plan_on_worker((path, token, name, code, other_code, fsync), own), number)
+
+
+def finish_chunk(plan: Plan, store: Store, number: int) -> int:
+    """Compute one chunk where the plan is at hand, and write it."""
     for _tile in chunk_task(plan, store, number):
         pass
     return number
