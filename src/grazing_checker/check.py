@@ -6,14 +6,15 @@ from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, NamedTuple
 
+from grazing_checker import gap
 from grazing_checker.envelope import VERSION, opened
-from grazing_checker.gap import check_gap_edge, check_gap_orbit, check_no_attractor
 from grazing_checker.law import law_values
 from grazing_checker.orbit import check_orbit, check_walled_orbit
 from grazing_checker.plane import SHAPES
 from grazing_checker.reading import Rejected, demand, quoted
-from grazing_checker.table import check_table_orbit
-from grazing_checker.table_value import check_table_value
+from grazing_checker.sentence import orbit_sentence, value_sentence
+from grazing_checker.table import check_table_orbit, table_sentence
+from grazing_checker.table_value import check_table_value, table_value_sentence
 from grazing_checker.value import check_value, check_walled_value
 
 #: All that is imported from the standard library.
@@ -40,22 +41,30 @@ STRETCHING = "the argument in grazing_checker/gap.py that blocks of the gap map 
 
 
 class Kind(NamedTuple):
-    """What checks a kind of certificate, ``check(data, inequalities) -> statement``, and the theorems that it uses."""
+    """What checks a kind of certificate, ``check(data, inequalities) -> statement``, and the theorems that it uses.
+
+    ``sentence(data)`` writes the statement of data that hold.
+    """
 
     check: Callable[[Mapping[str, Any], list[Any]], str]
+    sentence: Callable[[Mapping[str, Any]], str]
     theorems: tuple[str, ...]
 
 
 KINDS = {
-    "periodic orbit": Kind(check_orbit, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
-    "periodic orbit with walls": Kind(check_walled_orbit, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS)),
-    "periodic orbit on a table": Kind(check_table_orbit, (KRAWCZYK, TABLES, MULTIPLIERS)),
-    "bifurcation value": Kind(check_value, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
-    "bifurcation value with walls": Kind(check_walled_value, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS, BETWEEN)),
-    "bifurcation value on a table": Kind(check_table_value, (KRAWCZYK, TABLES, MULTIPLIERS, BETWEEN)),
-    "gap map orbit": Kind(check_gap_orbit, (KRAWCZYK, CYCLES)),
-    "gap map edge": Kind(check_gap_edge, (KRAWCZYK, CYCLES)),
-    "gap map without attracting orbits": Kind(check_no_attractor, (STRETCHING,)),
+    "periodic orbit": Kind(check_orbit, orbit_sentence, (KRAWCZYK, FLIGHTS, MULTIPLIERS)),
+    "periodic orbit with walls": Kind(check_walled_orbit, orbit_sentence, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS)),
+    "periodic orbit on a table": Kind(check_table_orbit, table_sentence, (KRAWCZYK, TABLES, MULTIPLIERS)),
+    "bifurcation value": Kind(check_value, value_sentence, (KRAWCZYK, FLIGHTS, MULTIPLIERS, BETWEEN)),
+    "bifurcation value with walls": Kind(
+        check_walled_value, value_sentence, (KRAWCZYK, FLIGHTS, SEEN, MULTIPLIERS, BETWEEN)
+    ),
+    "bifurcation value on a table": Kind(
+        check_table_value, table_value_sentence, (KRAWCZYK, TABLES, MULTIPLIERS, BETWEEN)
+    ),
+    "gap map orbit": Kind(gap.check_gap_orbit, gap.orbit_sentence, (KRAWCZYK, CYCLES)),
+    "gap map edge": Kind(gap.check_gap_edge, gap.edge_sentence, (KRAWCZYK, CYCLES)),
+    "gap map without attracting orbits": Kind(gap.check_no_attractor, gap.no_attractor_sentence, (STRETCHING,)),
 }
 
 
@@ -88,8 +97,8 @@ def check(certificate: str | Path | Mapping[str, Any]) -> str:
     data, rows = document["data"], document["inequalities"]
     try:
         said = KINDS[kind].check(data, rows)
-        if said != document["statement"]:
-            said = KINDS[kind].check(in_order(data), rows)
+        if said != document["statement"]:  # the data hold in any order, so that nothing is proven again
+            said = KINDS[kind].sentence(in_order(data))
     except Rejected:
         raise
     except Exception as error:  # the data are not ours: whatever they break, they prove nothing

@@ -11,6 +11,7 @@ import grazing as gz
 from grazing.proof.certify import certify
 from grazing.proof.gap import certify_gap_orbit
 from grazing_checker import Rejected, check
+from grazing_checker.check import KINDS
 from tests.grazing_checker.documents import (
     NAMES,
     WALLED,
@@ -275,3 +276,17 @@ def test_twice_the_orbit_is_accepted_without_a_least_period(made):
     forged = changed(document, ("data", "claims", "least_period"), lambda _old: True)
     with pytest.raises(Rejected, match="'least period, divisor 2' is missing"):
         check(claiming(forged))
+
+
+def test_a_statement_that_does_not_follow_costs_no_second_proof(made, monkeypatch):
+    for kind, document in {document["kind"]: document for document in made.values()}.items():
+        rule, proofs = KINDS[kind], []
+
+        def counted(data, rows, rule=rule, proofs=proofs):
+            proofs.append(rule)
+            return rule.check(data, rows)
+
+        monkeypatch.setitem(KINDS, kind, rule._replace(check=counted))
+        with pytest.raises(Rejected, match="the statement does not follow"):
+            check(resealed({**document, "statement": "Something else."}))
+        assert len(proofs) == 1, kind
