@@ -229,6 +229,21 @@ def test_a_narrow_screen_is_filled_too(opened, view):
     assert not presenting(shown)
 
 
+def test_on_a_phone_before_a_room_each_step_of_the_tour_is_seen_from_its_title(phone, address):
+    phone.open(f"{address}#version=2&view=ball&columns=20")
+    page = phone.page
+    page.keyboard.press("p")
+    page.tap("#more")
+    page.tap("#tour")  # all controls lie where the tour would be: they give way
+    phone.until("() => explorer.state().tour === 1")
+    assert page.is_visible("#guide-title") and page.is_visible("#next") and page.inner_text("#more") == "All controls"
+    phone.open(f"{address}#version=2&view=ball&columns=20&omega=6&V=0&offset=-0.2&tour=9")
+    assert page.evaluate("() => { const { guide } = window; guide.scrollTop = 90; return guide.scrollTop; }") > 40
+    page.tap("#next")  # the answer of the step before was read to its end
+    phone.until("() => explorer.state().tour === 10")
+    assert page.evaluate("() => window.guide.scrollTop") == 0
+
+
 @pytest.mark.parametrize("motion", ["no-preference"])
 def test_keys_are_at_hand_before_a_room(shown, address):
     shown.open(f"{address}#version=2&view=ball&offset=0.14&tour=1&columns=60")

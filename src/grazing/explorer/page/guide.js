@@ -66,7 +66,12 @@ export function guided({ change, present, state }) {
     byId("note").hidden = !now.note;
     if (byId("write") !== focused) byId("write").value = now.note;
     ask(step, now);
-    if (step && told !== step) byId("guide-text").replaceChildren(...followed(step.text));
+    if (step && told !== step) {
+      byId("guide-text").replaceChildren(...followed(step.text));
+      guide.scrollTop = 0;
+      // on a phone all controls lie where the guide would be
+      if (!guide.offsetHeight && document.body.matches(".all")) byId("more").click();
+    }
     told = step;
     if (!step) return;
     for (const place of byId("guide-text").querySelectorAll("[data-of]")) {

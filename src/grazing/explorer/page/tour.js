@@ -109,7 +109,7 @@ export const TOUR = [
       ask: "How does their distance grow, until it is as large as the motion itself?",
       choices: ["By the same amount in each period", "By the same factor in each period, on average"],
       right: 1,
-      told: "The logarithm of that factor is the Lyapunov exponent, here about 0.4 a period: the line at the buttons measures it. A start that is known ten times as well can be foretold for six periods longer, and no more.",
+      told: "The logarithm of that factor is the Lyapunov exponent λ, here about 0.4 a period (measured below). A start that is known ten times as well can be foretold for six periods longer, and no more.",
       shown: { twin: true },
     },
   },
