@@ -39,6 +39,30 @@ def test_missing_packages_are_said_once(monkeypatch, kind, package):
             pass
 
 
+@pytest.mark.parametrize(
+    ("kind", "options", "said"),
+    [
+        ("http://host:1", {}, "unknown address scheme 'http'"),
+        ("tcp://", {}, "missing port number"),
+        ("tcp://127.0.0.1:1", {"nope": 1}, "nexpected keyword"),
+        ("local", {"processes": False, "nope": 1}, "nexpected keyword"),
+    ],
+)
+def test_what_dask_refuses_is_said_and_changes_no_setting_of_it(kind, options, said):
+    dask, _distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
+    before = dask.config.get("scheduler", None)
+    with pytest.raises(gz.InputError, match=said), sweep.cluster(kind, 1, **options):
+        pass
+    assert dask.config.get("scheduler", None) == before
+
+
+def test_a_scheduler_that_does_not_answer_changes_no_setting():
+    dask, _distributed = pytest.importorskip("dask"), pytest.importorskip("distributed")
+    with pytest.raises(OSError, match="Timed out"), sweep.cluster("tcp://127.0.0.1:1", timeout=1):
+        pass
+    assert dask.config.get("scheduler", None) is None  # or nothing is saved any more: xarray asks for it
+
+
 def test_a_queue_gets_its_jobs(monkeypatch):
     pytest.importorskip("distributed")
     jobqueue = pytest.importorskip("dask_jobqueue")

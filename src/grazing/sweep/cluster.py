@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
-from grazing.outcome import InputError, shown
+from grazing.outcome import InputError, in_one_line, shown
 from grazing.parameter import whole
 
 #: Deaths of workers that one chunk may see. Dask gives up after 3, but a preempted worker is no fault of the chunk.
 PATIENCE = 1000
 #: How long a process of this machine may be away before another takes its place; Dask's 15 s are made for queues.
 AWAY = "5s"
+#: A client of ours alone: one that is Dask's default stays so if it finds no scheduler, and nothing is saved any more.
+OWN = {"set_as_default": False}
 QUEUES = {
     "htcondor": "HTCondorCluster",
     "lsf": "LSFCluster",
@@ -50,7 +52,7 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
     Raises
     ------
     InputError
-        For another kind, or packages that are missing.
+        For another kind, what Dask refuses, or packages that are missing.
     """
     if workers is not None:
         workers = whole(workers, "workers", 1)
@@ -64,7 +66,7 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
     dask, distributed = _imported("dask"), _imported("distributed")
     with dask.config.set({"distributed.scheduler.allowed-failures": PATIENCE}):
         if joined:
-            with distributed.Client(kind, **options) as client:
+            with _made(distributed.Client, kind, **OWN | options) as client:
                 client.run_on_scheduler(_patient())
                 yield client.get_executor()
             return
@@ -72,7 +74,7 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
         with (
             dask.config.set(local),
             _started(kind, workers, options) as started,
-            distributed.Client(started) as client,
+            distributed.Client(started, **OWN) as client,
         ):
             yield client.get_executor()
 
@@ -84,12 +86,20 @@ def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
     once none is left a sweep would wait for ever.
     """
     if kind == "local":
-        here = _imported("distributed").LocalCluster(n_workers=workers, **{"dashboard_address": None, **options})
+        here = _made(_imported("distributed").LocalCluster, n_workers=workers, **{"dashboard_address": None, **options})
         here.adapt(minimum=len(here.worker_spec), maximum=len(here.worker_spec))
         return here
-    queue = getattr(_imported("dask_jobqueue"), QUEUES[kind])(**options)
+    queue = _made(getattr(_imported("dask_jobqueue"), QUEUES[kind]), **options)
     queue.adapt(minimum_jobs=workers, maximum_jobs=workers)
     return queue
+
+
+def _made(make: Callable[..., Any], *given: Any, **options: Any) -> Any:
+    """Make a cluster, or a client; what Dask refuses was asked for."""
+    try:
+        return make(*given, **options)
+    except (TypeError, ValueError) as error:
+        raise InputError(f"the cluster cannot be had: {in_one_line(error)}; mend its address or its options") from error
 
 
 def _patient() -> Any:
