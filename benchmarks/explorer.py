@@ -233,14 +233,14 @@ def pictures(ours: Explorer, fragment: str, parameter: str, move: Move, count: i
 
 def sliders(ours: Explorer, share: float) -> Iterator[Response]:
     """Measure from an event on a slider to the picture."""
-    count, few = max(3, round(PICTURES * share)), max(1, round(CHARTS * share))
+    count, few = max(2, round(PICTURES * share)), max(1, round(CHARTS * share))
     across, up = CELLS
     gap, flow, chart = "gap map, 800 x 600", f"oscillator, {COLUMNS} x 600", f"chart of the {{}}, {across} x {up}"
     thousand, size = f"oscillator&columns={COLUMNS}&reduced=no", f"chart_columns={across}&chart_rows={up}"
     for name, fragment, parameter, move, often, goals in (
         (f"{gap}, key on a slider", "gap", "l", keys, count, (20.0, None)),
         (f"{gap}, thumb dragged", "gap", "l", dragged, 2 * count, (20.0, None)),
-        (f"{flow}, key on a slider", thousand, "V", keys, max(3, count // 4), (40.0, 800.0)),
+        (f"{flow}, key on a slider", thousand, "V", keys, max(2, count // 4), (40.0, 800.0)),
         (chart.format("gap map"), f"chart&chart=gap&{size}", "lam", keys, few, (300.0, 30e3)),
         (chart.format("oscillator"), f"chart&chart=oscillator&{size}", "r", keys, few, (300.0, 30e3)),
     ):  # fmt: skip
@@ -266,7 +266,7 @@ def frames(ours: Explorer, share: float) -> Iterator[Response]:
             shown.evaluate(FRAMES, 1.0)  # compiled in haste
             seen = shown.evaluate(FRAMES, max(2.0, SECONDS * share))
         begun, times = seen["times"][0], seen["times"]
-        whole = int((times[-1] - begun) / 1000.0)
+        whole = max(1, int((times[-1] - begun) / 1000.0))
         counts = [sum(1000.0 * i <= at - begun < 1000.0 * (i + 1) for at in times) for i in range(whole)]
         yield Response(
             name,

@@ -13,18 +13,26 @@ from benchmarks.__main__ import main
 LITTLE = {"COLUMNS": 30, "CELLS": (12, 10), "SIDE": 40, "LOOKS": 5, "PICTURES": 1, "SECONDS": 1.0, "MINUTES": 0.05}
 
 
-def test_every_row_is_measured(monkeypatch, tmp_path, capsys):
+@pytest.mark.parametrize(
+    ("parts", "expected"),
+    [
+        (("sliders", "weight"), ("gap map", "oscillator", "chart", "all in")),
+        pytest.param(("frames", "opened", "heaps"), ("table", "4 x", "opened", "6 x", "heap"), marks=pytest.mark.long),
+    ],
+)
+def test_every_row_is_measured(parts, expected, monkeypatch, tmp_path, capsys):
     pytest.importorskip("playwright.sync_api", reason="no playwright: pip install playwright")
     if explorer.chromium() is None:
         pytest.skip("no Chromium found: install one, or name it in GRAZING_CHROMIUM")
     for name, value in LITTLE.items():
         monkeypatch.setattr(explorer, name, value)
+    monkeypatch.setattr(explorer, "PARTS", {name: explorer.PARTS[name] for name in parts})
     assert main(["explorer", "--quick", "--json", str(tmp_path / "rows.json")]) == 0
     rows = json.loads((tmp_path / "rows.json").read_text())["explorer"]
     assert [row["missing"] for row in rows] == [""] * len(rows)
     assert all(row["values"] for row in rows)
     held = [row["name"] for row in rows if row["goal"] is not None]
-    for each in ("gap map", "oscillator", "chart", "table", "4 x", "heap", "opened", "6 x", "all in"):
+    for each in expected:
         assert any(each in name for name in held), each
     assert len(re.findall(r"\| (?:yes|no) \|", capsys.readouterr().out)) == len(held)
 
