@@ -103,6 +103,11 @@ class PieceEquations(PointEquations):
         x[..., self.at_roots] = roots[..., self.rooted]
         return x
 
+    def rounded(self, x: Floats) -> Floats:
+        """Return by how much rounding of a step moves the point that it leads to."""
+        points = np.abs(self.parted(x)[0])
+        return self.unknowns(np.broadcast_to(EPS * points.max(axis=0), points.shape), np.zeros(self.N))
+
     def begun(self, points: Floats, p: Floats) -> Floats:
         """Return unknowns of points (..., N, dim) on the sides of their letters: those beyond get the root 0."""
         flat = points.reshape(-1, self.P.dimension)
