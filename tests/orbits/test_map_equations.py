@@ -8,6 +8,7 @@ import pytest
 import grazing as gz
 from grazing.maps.impact_of_system import TimedReturned
 from grazing.orbits import path
+from grazing.orbits.map_equations import alike
 from tests.systems.balls import bouncing
 
 TABLE = {"A": 0.1, "r": 0.7, "height": 0.8}
@@ -81,3 +82,8 @@ def test_where_rounding_hides_how_an_impact_loses_its_speed_its_graze_has_not_co
     (end,) = (one for one in hits.special if one.type == "gr")
     assert touch.converged
     assert not end.converged and end.low <= touch.value <= end.high and end.high - end.low < 1e-5
+
+
+def test_a_point_next_to_zero_is_no_warning():
+    """Its part of the box is beyond doubles."""
+    assert not alike(np.array([1e10]), np.array([[5e-324], [1.0]]))

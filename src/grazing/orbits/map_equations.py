@@ -68,7 +68,7 @@ def tests_of(J: Floats) -> list[float]:
 
 def alike(size: Floats, places: Floats) -> bool:
     """Whether differences of orbits (k, ..., numbers) are taken at equally many distances."""
-    with np.errstate(divide="ignore"):
+    with np.errstate(divide="ignore", over="ignore"):
         fine = (size / np.abs(places)).reshape(len(places), -1).max(axis=1)
     coarsest, finest = (places[i] for i in (int(fine.argmin()), int(fine.argmax())))
     return len(distances(size, coarsest)) == len(distances(size, finest))
