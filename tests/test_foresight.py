@@ -230,6 +230,7 @@ import grazing as gz, grazing.memory
 grazing.memory.physical_memory = lambda: 2 << 30
 warnings.simplefilter("ignore")
 %s
+logistic.orbit((0.3,), 5)  # at its first compilation numba fills tables, which an interrupt leaves broken
 def stop(*_args):
     raise KeyboardInterrupt
 signal.signal(signal.SIGALRM, stop)
