@@ -88,10 +88,6 @@ class BounceEquations(PointEquations):
             return np.full(n, np.nan), np.full((n, n), np.nan)
         return F[0], J[0][:, interleaved(np.arange(n))]
 
-    def rounded(self, x: Floats) -> Floats:
-        """Return nothing: the defects are no differences of points."""
-        return Equations.rounded(self, x)
-
     def expanded(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
         """Return F, dF/dx and dF/dp: closed forms go on beyond the ends of objects, so that differences may."""
         return Equations.expanded(self, x, p)

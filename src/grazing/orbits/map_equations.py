@@ -121,6 +121,11 @@ class MapEquations(PointEquations):
         known = self.P.origin.rounds
         return np.full(len(self.scale), np.inf) if known is None else np.tile(known(self.rows(p[None]))[0], self.N)
 
+    def rounded(self, x: Floats) -> Floats:
+        """Return by how much rounding of a step moves the point that it leads to."""
+        points = np.abs(x).reshape(self.N, -1)
+        return EPS * np.tile(points.max(axis=0), self.N)
+
     def visited(self, x: Floats, p: Floats) -> tuple[Floats, tuple[int, ...]]:
         """Return the images of all points (N, dim) and the letters."""
         images, letters = self.ran(self.rows(p[None]), x.reshape(1, self.N, -1).transpose(0, 2, 1))

@@ -49,11 +49,6 @@ class PointEquations(Equations):
     def turn_error(self, x: Floats, p: Floats) -> Floats:
         """Return by how much each number of that may be off."""
 
-    def rounded(self, x: Floats) -> Floats:
-        """Return by how much rounding of a step moves the point that it leads to."""
-        points = np.abs(x).reshape(self.N, -1)
-        return EPS * np.tile(points.max(axis=0), self.N)
-
     def expanded(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
         """Return F, dF/dx and dF/dp."""
         return *self.defects(x, p), self.slopes(x, p)
