@@ -17,7 +17,7 @@ SOURCE = Path(__file__).parents[1] / "src"
 # siblings that do not know each other. `grazing` is the public list, which only the top may use.
 LAYERS = (
     ("interrupt", "outcome"),
-    ("memory",),
+    ("late", "memory"),
     ("measured", "parameter", "paths", "units"),
     ("writing",),
     ("kernel", "theory"),
@@ -203,8 +203,9 @@ def circles(source: Path) -> list[set[str]]:
     return [one for i, one in enumerate(found) if one not in found[:i]]
 
 
-AT_THE_CALL = (
-    "a part of SciPy is a fifth of what a first command waits for: import scipy, and name the part where it is called"
+LATE = (
+    "it takes a fifth of what a first command waits for, and an interrupt must not cut it short: take it from "
+    "grazing.late, where it is called"
 )
 
 
@@ -225,8 +226,9 @@ def violations(source: Path) -> list[str]:
         for node in imports(ast.parse(file.read_text(encoding="utf-8"))):
             for target, binds_module in targets(node, package, modules):
                 said = complaint(importer, target, binds_module)
-                if target.startswith("scipy.") and node.col_offset == 0:
-                    said = said or AT_THE_CALL
+                inside = node.col_offset > 0
+                if (target == "xarray" and inside) or (target.startswith("scipy") and not inside):
+                    said = said or LATE
                 if said:
                     found.append(f"{where}:{node.lineno}: {said}")
     return found
@@ -343,7 +345,8 @@ def plant(source, texts):
         ("io", "from grazing.testing import check_map", "io may not import testing"),
         ("cli/main", "import numpy as np", "cli may not import numpy"),
         ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),
-        ("orbits/curves", "from scipy.optimize import brentq", "import scipy, and name the part where it is called"),
+        ("orbits/curves", "from scipy.optimize import brentq", "take it from grazing.late, where it is called"),
+        ("orbits/curves", "def f():\n  import xarray as xr", "an interrupt must not cut it short"),
         ("maps/map", "from grazing.oscillator.model import O", "grazing.maps.map serves every system: ask the origin"),
         ("studies/chart", "def f():\n  from grazing.systems.contract import S", "grazing.studies.chart serves every"),
         ("orbits/resting", "from grazing.oscillator.walled import W", "orbits.resting serves any number of walls: ask"),

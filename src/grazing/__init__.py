@@ -224,7 +224,10 @@ if TYPE_CHECKING:
 def __getattr__(name: str) -> Any:
     if name not in _PUBLIC:
         raise AttributeError(f"module 'grazing' has no attribute {name!r}")
-    module = import_module(f"grazing.{_PUBLIC[name] or name}")
+    from grazing.interrupt import held_back
+
+    with held_back():  # an interrupt would leave what is imported with it broken
+        module = import_module(f"grazing.{_PUBLIC[name] or name}")
     value = getattr(module, name) if _PUBLIC[name] else module
     globals()[name] = value
     return value

@@ -31,6 +31,31 @@ def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
 
 
 @contextmanager
+def held_back() -> Iterator[None]:
+    """Let an interrupt wait until the block has ended: what it would leave half done stays broken for the session.
+
+    That is so of a package that is imported, and of tables that numba fills. Such a block has to be short.
+    """
+    before, came = signal.getsignal(signal.SIGINT), []
+
+    def note(*what: Any) -> None:
+        came.append(what)
+
+    # no interrupt comes into another thread, and none of what is no function of Python's leaves anything half done
+    if not callable(before) or threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    signal.signal(signal.SIGINT, note)
+    try:
+        yield
+    finally:
+        if signal.getsignal(signal.SIGINT) is note:
+            signal.signal(signal.SIGINT, before)
+        if came:
+            before(*came[0])
+
+
+@contextmanager
 def none_lost() -> Iterator[None]:
     """Interrupt once more where an interrupt was lost.
 

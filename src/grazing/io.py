@@ -79,7 +79,7 @@ def save(result: xr.Dataset, path: str | os.PathLike[str]) -> Path:
     ...     load(path).word.values.tolist()
     ['LLR', '']
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     target = _target(path)
     if not isinstance(result, xr.Dataset):
@@ -181,8 +181,9 @@ class _Once(io.BufferedReader):
 
 
 def _read(file: _Once, source: Path) -> xr.Dataset:
-    import xarray as xr
     from xarray.backends import ScipyDataStore
+
+    from grazing.late import xarray as xr
 
     store = ScipyDataStore(file)
     if len(store.ds.variables) > MOST:  # they and JSON take many times their bytes to be opened
@@ -241,7 +242,7 @@ def _target(path: str | os.PathLike[str]) -> Path:
 
 def _encoded(result: xr.Dataset) -> xr.Dataset:
     """Return a dataset of types that NetCDF 3 has, with the record of what they were."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     record: dict[str, Any] = {"format": FORMAT, "attrs": {}, "variables": {}}
     attrs = _encoded_attrs(result.attrs, "the dataset", record["attrs"])
@@ -367,7 +368,7 @@ def _same(found: NDArray[Any], values: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def _decoded(stored: xr.Dataset, record: dict[str, Any]) -> xr.Dataset:
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     data: dict[str, Any] = {}
     for name, kept in record["variables"].items():

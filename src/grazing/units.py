@@ -102,7 +102,7 @@ def in_units(result: Any, *units: str) -> xr.Dataset:
     >>> tr.u.attrs["units"], tr.v.attrs["units"], round(float(tr.u.min()), 9)
     ('mm', 'm/s', -1.2)
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     found = getattr(result, "dataset", result)
     if not isinstance(found, xr.Dataset):

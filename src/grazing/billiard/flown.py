@@ -265,7 +265,7 @@ def way_along(block: Floats, slide: Floats, clock: float, times: Floats) -> Floa
 
 def table_trajectory(table: Table, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
     """Follow a ball on a table in continuous time; :func:`grazing.trajectory` calls this."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     names = "x", "y", "vx", "vy"
     begin = checked_start(state)

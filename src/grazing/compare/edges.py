@@ -7,9 +7,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.compare.branches import Point, Rung
 
 Floats = NDArray[np.float64]
@@ -102,7 +102,7 @@ def _zero(rung: Rung, low: Point, high: Point, height: Callable[[Point], float])
         return height(nearest[s])
 
     try:
-        s = float(scipy.optimize.brentq(at, low.s, high.s, xtol=1e-300, rtol=8.9e-16, maxiter=200))
+        s = float(late.optimize.brentq(at, low.s, high.s, xtol=1e-300, rtol=8.9e-16, maxiter=200))
         at(s)
     except (ArithmeticError, RuntimeError):
         return None

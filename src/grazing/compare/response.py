@@ -121,7 +121,7 @@ def response(
     >>> sorted({(kind, round(float(value), 5)) for kind, value in places})  # Hz
     [('gr', 12.9227), ('lp', 16.58097)]
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     P = checked_strobe(P)
     name = checked_name(name, P.origin.rig.params, "the oscillator")
@@ -191,7 +191,7 @@ def at_rest(P: Map, name: str, grid: Floats) -> tuple[float, float]:
 
 def runs_read(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
     """Return the readings of what every run reached at every value; each attractor with a period is read once."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     points, size = points_of(P, scans)
     periods, words, keep = scans["period"].values, scans["word"].values, scans.sizes["n"]
@@ -256,7 +256,7 @@ def differences(P: Map, name: str, scans: xr.Dataset) -> xr.Dataset:
 
     Two without period are not told apart, nor is one whose period is undecided.
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     points, size = points_of(P, scans)
     periods, words, grid = scans["period"].values, scans["word"].values, scans[name].values

@@ -214,7 +214,7 @@ def with_loci(table: xr.Dataset, loci: Sequence[Locus], names: tuple[str, str]) 
     ``meeting_type``, ``meeting_admissible``, both parameters by ``meeting_`` and their names.
     :func:`loci_of` takes them apart again.
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     parts = [one.dataset for one in loci]
     new: dict[str, Any] = {
@@ -253,7 +253,7 @@ def loci_of(table: xr.Dataset) -> list[xr.Dataset]:
     >>> [one.attrs["type"] for one in loci_of(table)]
     ['gr', 'pd', 'v0']
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     if "locus_parameters" not in table.attrs:
         return []

@@ -231,6 +231,7 @@ def _first_sentence(error: Exception) -> str:
 def _jit(
     function: FunctionType, arithmetic: str, role: str, known: Known, announce: str = "", python: bool = True
 ) -> Any:
+    wide = not plain()  # which imports numba, and lets no interrupt into that
     import numba
 
     if numba.config.DISABLE_JIT:
@@ -250,11 +251,11 @@ def _jit(
     # its speed, would depend on what was compiled before
     options["forceinline"] = getattr(function, "inlined", False)
     way: dict[str, Any] = {}
-    if not plain():
-        from grazing.kernel.linking import link_carefully
+    if wide:
         from grazing.kernel.pipeline import pipeline
+        from grazing.kernel.uninterrupted import uninterrupted
 
-        link_carefully()
+        uninterrupted()
         way["pipeline_class"] = pipeline(role, (function.__module__ or "").partition(".")[0] == "grazing")
     dispatcher = numba.njit(**options, **way)(resolved)
     for each, said in known.items():

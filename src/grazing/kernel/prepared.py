@@ -10,6 +10,8 @@ from __future__ import annotations
 from functools import cache
 from pathlib import Path
 
+from grazing.interrupt import held_back
+
 #: Families of processors, the ablest first: the name that the compiler knows, and what each of them can do. The last
 #: of the oldest family makes vectors as wide as the registers, where the compiler by itself would not.
 X86_64_V2 = "+cx16 +popcnt +sahf +sse3 +sse4.1 +sse4.2 +ssse3".split()
@@ -56,6 +58,7 @@ def machines(processor: tuple[str, str, str]) -> list[tuple[str, str, str]]:
     return [processor, *((system, name, said) for name, said in FAMILIES.items() if wanted[name] <= able)]
 
 
+@held_back()
 def own() -> tuple[str, str, str]:
     """Return the processor that is compiled for as :func:`machines` takes it, of no system.
 
@@ -70,6 +73,7 @@ def own() -> tuple[str, str, str]:
     return "", config.CPU_NAME or binding.get_host_cpu_name(), said
 
 
+@held_back()
 def told() -> str:
     """Return what the environment tells numba, such as NUMBA_OPT=0, that makes other code; empty for nothing."""
     from numba import config

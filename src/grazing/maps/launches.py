@@ -299,7 +299,7 @@ def launches(
     >>> found.exit.values.tolist(), found.hits.values.tolist(), found.time.values.round(2).tolist()
     ([['short', 'far']], [[0, 0]], [[2.82, 4.89]])
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     table = checked_table(table)
     x, y, most = checked_launch(table, point, hits)

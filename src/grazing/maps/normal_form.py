@@ -9,7 +9,6 @@ from math import copysign, inf, isfinite, nan, sin, ulp
 from typing import Any
 
 import numpy as np
-import scipy
 from numpy.typing import ArrayLike, NDArray
 
 from grazing.maps.gap import border, gap_map
@@ -174,6 +173,8 @@ class NormalForm:
 
     def parameter(self, mu: float) -> float:
         """Return the value of the parameter at which μ is ``mu``, on the branch through the graze."""
+        from grazing.late import optimize
+
         mu = real(mu, "mu", "give a finite number")
         if mu == 0.0:
             return self.graze
@@ -189,7 +190,7 @@ class NormalForm:
             try:
                 if (self.mu(edge) - mu) * copysign(1.0, mu) >= 0.0:
                     return float(
-                        scipy.optimize.brentq(
+                        optimize.brentq(
                             lambda x: self.mu(x) - mu, *sorted((self.graze, edge)), xtol=1e-300, rtol=8.9e-16
                         )
                     )

@@ -14,10 +14,10 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.maps.map import Map
 from grazing.maps.normal_form import steady_minimum
 from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_sides, gap_curves
@@ -186,7 +186,7 @@ def free_grazes(model: Oscillator, along: Range) -> list[float]:
     values = np.linspace(along.low, along.high, CELLS + 1).tolist()
     heights = [height(value) for value in values]
     return [
-        float(scipy.optimize.brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0
+        float(late.optimize.brentq(height, *ends, xtol=1e-300, rtol=8.9e-16)) if a * b < 0.0
         else ends[0 if a == 0.0 else 1]
         for ends, (a, b) in zip(pairwise(values), pairwise(heights), strict=True) if a * b < 0.0 or b == 0.0
     ]  # fmt: skip

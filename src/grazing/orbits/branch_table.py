@@ -109,7 +109,7 @@ def branch_table(branch: Branch) -> xr.Dataset:
         ``impact_point``, the row of its orbit, ``impact_time``, counted from the first of the orbit's points and smooth
         along a piece, ``v_minus`` and ``v_plus``.
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     P, name = branch.map, branch.parameter
     orbits = list(branch)

@@ -7,9 +7,9 @@ from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.orbits.closure import TWO_PI
 from grazing.orbits.survey import PHASE, SLOPE, V_MINUS, Family, extremum, survey
 
@@ -233,6 +233,6 @@ def fold(family: Family, inside: float, outside: float, guess: float) -> float |
     for _ in range(12):
         if start * height(inside + reach) <= 0.0:
             low, high = sorted((inside, inside + reach))
-            return float(scipy.optimize.brentq(height, low, high, xtol=1e-18 * abs(reach), rtol=1e-15, maxiter=300))
+            return float(late.optimize.brentq(height, low, high, xtol=1e-18 * abs(reach), rtol=1e-15, maxiter=300))
         reach *= 8.0
     return None

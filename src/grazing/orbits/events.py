@@ -8,9 +8,9 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.orbits.corrector import Point, point_at, unscaled
 from grazing.orbits.equations import Equations, Test
 
@@ -164,7 +164,7 @@ def located(
     good = False
     try:
         if np.sign(at(0.0)) * np.sign(at(length)) <= 0.0:  # products of small numbers may underflow
-            scipy.optimize.brentq(at, 0.0, length, xtol=1e-17, rtol=8.9e-16, maxiter=100)
+            late.optimize.brentq(at, 0.0, length, xtol=1e-17, rtol=8.9e-16, maxiter=100)
             good = True
     except (ArithmeticError, RuntimeError):
         pass

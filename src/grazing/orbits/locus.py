@@ -171,7 +171,7 @@ class Locus(ByValue):
     @property
     def dataset(self) -> xr.Dataset:
         """The locus as a labelled table: dimensions ``point`` and ``meeting``."""
-        import xarray as xr
+        from grazing.late import xarray as xr
 
         P = self.orbits[0].map
         columns: dict[str, Any] = {}

@@ -12,10 +12,10 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
 from grazing.orbits.closure import TESTS, Closing, closing, impact_state, impact_velocities
@@ -202,7 +202,7 @@ class Edge:
             return float(self.evaluated(np.array([[phase, 0.0, *self.row]]))[0, FOLD])
 
         return [
-            float(scipy.optimize.brentq(bent, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
+            float(late.optimize.brentq(bent, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
             for i in np.flatnonzero(slope[1:] * slope[:-1] < 0.0)
         ]
 
@@ -221,7 +221,7 @@ class Edge:
         if not 1 <= self.dip <= len(bottoms):
             return float("nan")
         i = int(bottoms[len(bottoms) - self.dip])
-        return float(scipy.optimize.brentq(velocity, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
+        return float(late.optimize.brentq(velocity, grid[i], grid[i + 1], xtol=1e-15, rtol=1e-15))
 
     def slopes(self, x: Floats) -> tuple[Floats, Floats, Floats]:
         """Return the derivatives (equations, variables) of the equations at x, their errors, and the values there."""

@@ -6,9 +6,9 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.orbits.corrector import Point, closed, corrected, linearised, tangent_of, weighed
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.events import Event
@@ -147,7 +147,7 @@ def vanishing(
 
     begin = float(p[0] / equations.spans[0])
     with np.errstate(invalid="ignore"):
-        found = scipy.optimize.root_scalar(height, x0=begin, x1=begin + 1e-6, xtol=VANISHED, method="secant")
+        found = late.optimize.root_scalar(height, x0=begin, x1=begin + 1e-6, xtol=VANISHED, method="secant")
     good = found.converged and abs(found.root - begin) < max(NEAR, width / float(equations.spans[0]))
     p = found.root * equations.spans if good else p
     solved = solve(equations, x, p)

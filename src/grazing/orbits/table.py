@@ -48,7 +48,7 @@ def orbit_table(found: Orbits) -> xr.Dataset:
     >>> table.word.values.tolist(), table.stable.values.tolist()
     (['LR', 'LLR'], [0, 1])
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     P, most = found.map, max((orbit.period for orbit in found), default=1)
     points = np.full((len(found), most, P.dimension), np.nan)

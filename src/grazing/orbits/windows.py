@@ -9,10 +9,10 @@ from math import inf
 from typing import Any
 
 import numpy as np
-import scipy
 import xarray as xr
 from numpy.typing import NDArray
 
+from grazing import late
 from grazing.memory import refuse_too_large
 from grazing.orbits.closure import TESTS, TWO_PI
 from grazing.orbits.curves import Curve, Edge, curves, wrapped
@@ -312,7 +312,7 @@ def _brackets(
     inner = np.flatnonzero(alike & (size[1:-1] < np.minimum(size[:-2], size[2:])) & (size[1:-1] < 2.0 * rise))
     for i in inner + 1:
         sign = 1.0 if positive[i] else -1.0
-        least = scipy.optimize.minimize_scalar(
+        least = late.optimize.minimize_scalar(
             lambda value, sign=sign: sign * float(_finite(curve.at(value)[column])),
             bounds=(values[i - 1], values[i + 1]),
             method="bounded",
@@ -333,7 +333,7 @@ def _zero(curve: Curve, column: int, low: float, high: float) -> float:
     if ends[0] * ends[1] >= 0.0:
         return low if abs(ends[0]) <= abs(ends[1]) else high
     smallest = 1e-18 * (curve.values[-1] - curve.values[0])
-    return float(scipy.optimize.brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
+    return float(late.optimize.brentq(height, low, high, xtol=smallest, rtol=1e-15, maxiter=300))
 
 
 def _span(model: Rig, name: str, span: Any) -> tuple[float, float]:

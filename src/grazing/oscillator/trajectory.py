@@ -118,7 +118,7 @@ def trajectory(
     >>> tr.sizes["impact"], str(tr.trust.item())
     (3, 'certified')
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     if not isinstance(model, Rig | System | Follows):
         checked_model(model)

@@ -58,7 +58,7 @@ def walled_trajectory(
     model: Walled, state: tuple[float, float], start: float, until: float, samples: int
 ) -> xr.Dataset:
     """Follow the ball in continuous time; :func:`grazing.trajectory` calls this."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     model.refuse_inside(state[0], start)
     legs = flown_legs(model, state, start, until, MAX_IMPACTS)

@@ -55,8 +55,8 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
     >>> round(float(strongest.order), 9), bool(np.isclose(strongest.amplitude, 1 / np.hypot(1 - 2.2**2, 3 * 2.2)))
     (1.0, True)
     """
-    import xarray as xr
-    from scipy.signal import get_window, periodogram
+    from grazing.late import signal
+    from grazing.late import xarray as xr
 
     period = model_of(recorded).period
     if not isinstance(of, str) or of not in OF:
@@ -69,7 +69,7 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
         raise InputError(f"there are {len(t)} samples; a spectrum needs 8 or more: choose a higher rate")
     try:
         with np.errstate(all="ignore"):  # a parameter that is too large for it gives nan
-            weights = get_window(window, len(t))
+            weights = signal.get_window(window, len(t))
     except Exception as error:  # of whatever was given
         raise InputError(
             f"window = {shown(window)}; give one of scipy.signal.get_window with what it needs, such as 'hann', "
@@ -77,7 +77,7 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
         ) from error
     if not np.isfinite(weights).all() or not weights.any():
         raise InputError(f"window = {shown(window)} gives weights that are no numbers, or all 0; choose another one")
-    frequency, power = periodogram(x, fs=rate, window=weights, detrend="constant", scaling="spectrum")
+    frequency, power = signal.periodogram(x, fs=rate, window=weights, detrend="constant", scaling="spectrum")
     found = xr.Dataset(
         {"amplitude": ("frequency", np.sqrt(2.0 * power), _said(recorded[of].attrs, of))},
         coords={

@@ -275,7 +275,7 @@ def _finish_work(P: Map, axes: Mapping[str, Floats], preimages: int, result: xr.
 
 def _with_attractors(P: Map, axes: Mapping[str, Floats], preimages: int, result: xr.Dataset) -> xr.Dataset:
     """Replace what each state reached by tables of the attractors, and add what the whole grid says."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     period, words = result["reached_period"].values, result["reached_word"].values
     points = result["reached_point"].values.reshape(-1, P.dimension)

@@ -55,7 +55,7 @@ def cobweb(
     >>> cobweb(gz.gap_map(lam=0.8, mu=0.5, l=1.0), [-1.0], steps=2).x.values.round(6).tolist()
     [-1.0, -0.3, 0.26]
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     if P.dimension != 1:
         raise InputError(f"the {P.name} has coordinates {', '.join(P.coordinates)}; a cobweb needs a map with one")

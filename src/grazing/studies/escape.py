@@ -314,7 +314,7 @@ def escape(
     >>> found.rate.dims, bool((found.rate > 0.6).all())
     (('A.r',), True)
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     P = checked_map(P)
     axis = {}

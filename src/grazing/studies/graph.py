@@ -83,7 +83,7 @@ def graph(
     >>> found["map"].values.tolist(), found.letter.values.tolist()
     (['stroboscopic map', 'discontinuity map, lowest order'], [[1, 0, 0], [1, 1, 0]])
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     _checked_coordinate(P, name)
     if name in (*TAKEN, *(f"image_{own}" for own in P.coordinates)):

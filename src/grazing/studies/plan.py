@@ -186,7 +186,7 @@ def empty_arrays(plan: Plan, cells: int) -> dict[str, NDArray[Any]]:
 
 def labelled(plan: Plan, arrays: Arrays) -> xr.Dataset:
     """Return the arrays of all cells as the result of the study."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     data = {
         name: (plan.dims(name), arrays[name].reshape((*plan.shape, *plan.shape_of(name))), variable.attrs)

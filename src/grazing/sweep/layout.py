@@ -116,7 +116,7 @@ def laid_out(plan: Plan, grid: Grid) -> tuple[Layout, dict[str, Spec]]:
     InputError
         For names that the store keeps for itself.
     """
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     if grid.count > MOST:
         raise InputError(f"the sweep has {grid.count} chunks, a store holds {MOST}; make chunks larger")

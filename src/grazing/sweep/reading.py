@@ -189,7 +189,7 @@ def _dataset(store: Store, records: Mapping[int, Record | None]) -> xr.Dataset:
 
 
 def _labelled(store: Store, arrays: Mapping[str, NDArray[Any]]) -> xr.Dataset:
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     layout = store.layout
     data: dict[str, Any] = {}

@@ -156,7 +156,7 @@ def _broken(system: System, flight: Floats) -> str:
 
 def system_trajectory(system: System, state: ArrayLike, start: float, until: float, samples: int) -> xr.Dataset:
     """Follow a system in continuous time; :func:`grazing.trajectory` calls this."""
-    import xarray as xr
+    from grazing.late import xarray as xr
 
     names = system.coordinates
     begin = checked_start(system, state)

@@ -12,10 +12,12 @@ from functools import cache
 from importlib import import_module
 from typing import Any
 
+from grazing.interrupt import held_back
 from grazing.kernel.primitives import noted, register
 
 
 @cache
+@held_back()
 def plain() -> str:
     """Return why the plain forms are taken; empty where the wide ones are."""
     if os.environ.get("NUMBA_DISABLE_JIT", "0") not in ("", "0"):

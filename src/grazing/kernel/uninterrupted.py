@@ -1,0 +1,25 @@
+"""Steps of the compiler that an interrupt must not cut short: it waits, some milliseconds, until they are done.
+
+The linker destroys the module that it takes in, and llvmlite notes so after the call: interrupted in between, the
+module was destroyed a second time, and the process ended. The tables of what numba can compile are filled from streams
+that go on where they last were: what an interrupt kept from its table was missing until the session ended.
+"""
+
+from __future__ import annotations
+
+from functools import cache
+from typing import Any
+
+from grazing.interrupt import held_back
+from grazing.kernel.private import cpu_target
+from grazing.kernel.private import module as modules
+
+
+@cache
+def uninterrupted() -> None:
+    """Take these steps so from now on, in this process."""
+    steps: list[tuple[Any, str]] = [
+        (modules, "link_modules"), (cpu_target.typing_context, "refresh"), (cpu_target.target_context, "refresh"),
+    ]  # fmt: skip
+    for owner, name in steps:
+        setattr(owner, name, held_back()(getattr(owner, name)))

@@ -1,0 +1,96 @@
+"""An interrupt waits where it would leave something half done, and is lost nowhere."""
+
+import signal
+import threading
+
+import pytest
+
+from grazing import late
+from grazing.interrupt import held_back
+from tests.processes import python
+
+MAIN = pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="needs the main thread")
+
+
+@MAIN
+def test_an_interrupt_comes_at_the_end_of_the_block_once():
+    reached = []
+    with pytest.raises(KeyboardInterrupt), held_back():
+        signal.raise_signal(signal.SIGINT)
+        with held_back():
+            signal.raise_signal(signal.SIGINT)
+            reached.append("inner")
+        reached.append("outer")
+    assert reached == ["inner", "outer"]
+    assert signal.getsignal(signal.SIGINT) is signal.default_int_handler
+
+
+@MAIN
+def test_who_handles_interrupts_keeps_them(monkeypatch):
+    came = []
+    for handler in (lambda *what: came.append(what), signal.SIG_IGN):
+        before = signal.signal(signal.SIGINT, handler)
+        try:
+            with held_back():
+                signal.raise_signal(signal.SIGINT)
+                assert len(came) == (handler is signal.SIG_IGN)
+            assert signal.getsignal(signal.SIGINT) is handler and len(came) == 1
+        finally:
+            signal.signal(signal.SIGINT, before)
+    with held_back():  # somebody chooses another one meanwhile
+        signal.signal(signal.SIGINT, signal.SIG_IGN)
+    assert signal.signal(signal.SIGINT, before) is signal.SIG_IGN
+
+
+def test_another_thread_holds_nothing_back():
+    ended = []
+
+    def work():
+        with held_back():
+            ended.append(signal.getsignal(signal.SIGINT))
+
+    thread = threading.Thread(target=work)
+    thread.start()
+    thread.join()
+    assert ended == [signal.getsignal(signal.SIGINT)]
+
+
+@MAIN
+def test_a_package_is_imported_as_a_whole(tmp_path, monkeypatch):
+    (tmp_path / "halved.py").write_text("import signal\nsignal.raise_signal(signal.SIGINT)\nwhole = True\n")
+    monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setitem(late.PACKAGES, "halved", "halved")
+    with pytest.raises(KeyboardInterrupt):
+        _ = late.halved
+    assert late.halved.whole  # not imported again
+    del late.halved
+    with pytest.raises(AttributeError, match="has no attribute 'other'"):
+        _ = late.other
+
+
+#: Interrupted while numba enters into its tables what it can compile; the message was *generator raised StopIteration*.
+AT_FIRST = """
+import signal, sys
+import grazing as gz
+own = gz.Map(lambda x, p: (p.a * x[0] * (1.0 - x[0]),), {"a": 3.2})
+left = int(sys.argv[1])
+def seen(frame, event, _argument):
+    global left
+    if event == "call" and frame.f_code.co_name == "stream_list":
+        left -= 1
+        if left == 0:
+            signal.raise_signal(signal.SIGINT)
+sys.setprofile(seen)
+try:
+    own.orbit((0.3,), 5)
+except KeyboardInterrupt:
+    print("stopped")
+sys.setprofile(None)
+print(own.orbit((0.3,), 1).points[-1, 0])
+"""
+
+
+@pytest.mark.parametrize("at", [1, 10])
+def test_an_interrupt_while_numba_fills_its_tables_leaves_them_whole(at):
+    done = python(AT_FIRST, at)
+    assert done.stdout.split() == ["stopped", f"{3.2 * 0.3 * 0.7}"], done.stderr[-500:]
