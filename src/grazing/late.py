@@ -20,5 +20,8 @@ def __getattr__(name: str) -> Any:
     if name not in PACKAGES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     with held_back():
-        globals()[name] = import_module(PACKAGES[name])
-    return globals()[name]
+        module = import_module(PACKAGES[name])
+        if name == "xarray":
+            module.DataArray([0.0], {"x": [0.0]}, ["x"])  # for which it imports others, such as Dask
+        globals()[name] = module
+    return module

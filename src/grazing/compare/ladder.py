@@ -7,12 +7,12 @@ from collections.abc import Iterable, Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from grazing.compare.branches import Linearised, Local, Point
 from grazing.compare.edges import Window, march, windows_on
 from grazing.compare.orders import LAST, with_orders
+from grazing.late import xarray as xr
 from grazing.maps.normal_form import NormalForm, constants, normal_form
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.constants import forcing

@@ -31,9 +31,9 @@ to the flow.
 from __future__ import annotations
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from grazing.late import xarray as xr
 from grazing.studies.boundary import line_through
 
 Floats = NDArray[np.float64]

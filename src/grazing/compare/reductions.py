@@ -6,9 +6,9 @@ import json
 from typing import NamedTuple
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from grazing.late import xarray as xr
 from grazing.maps.discontinuity import discontinuity_map
 from grazing.maps.gap import gap_map
 from grazing.maps.linearised import linearised_map

@@ -8,8 +8,8 @@ from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
-import xarray as xr
 
+from grazing.late import xarray as xr
 from grazing.maps.gap import PARAMETERS
 from grazing.memory import refuse_too_large
 from grazing.orbits.word import letters_of, primitive, word

@@ -11,9 +11,9 @@ import json
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
+from grazing.late import xarray as xr
 from grazing.memory import refuse_too_large
 from grazing.orbits.touches import MAX_IMPACTS, PATIENCE, SPACING, TOLERANCE, Ruler, ordered, pieces, proven, refined
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase

@@ -12,12 +12,12 @@ from functools import lru_cache
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from grazing import late
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
+from grazing.late import xarray as xr
 from grazing.orbits.closure import TESTS, Closing, closing, impact_state, impact_velocities
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.rounding import noise

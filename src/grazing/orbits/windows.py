@@ -9,10 +9,10 @@ from math import inf
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from numpy.typing import NDArray
 
 from grazing import late
+from grazing.late import xarray as xr
 from grazing.memory import refuse_too_large
 from grazing.orbits.closure import TESTS, TWO_PI
 from grazing.orbits.curves import Curve, Edge, curves, wrapped

@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 from typing import Any
 
-import xarray as xr
 from matplotlib.axes import Axes
 
+from grazing.late import xarray as xr
 from grazing.outcome import InputError
 from grazing.plot.branch import branch, shade_of, special_entries
 from grazing.plot.classes import blended, legend_extended, patch

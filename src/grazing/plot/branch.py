@@ -8,12 +8,12 @@ from textwrap import fill
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from grazing.compare.word_branches import loci_of
+from grazing.late import xarray as xr
 from grazing.outcome import InputError, shown
 from grazing.plot.classes import legend_extended, patch, written
 from grazing.plot.drawn import inline

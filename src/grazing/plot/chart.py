@@ -6,7 +6,6 @@ from collections.abc import Callable
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
 from matplotlib.colors import LinearSegmentedColormap, TwoSlopeNorm, to_rgba_array
@@ -14,6 +13,7 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
+from grazing.late import xarray as xr
 from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.drawn import inline

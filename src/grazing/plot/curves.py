@@ -7,12 +7,12 @@ from collections.abc import Iterator, Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from grazing.compare.word_branches import loci_of
+from grazing.late import xarray as xr
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError
 from grazing.plot.style import INK, drawable

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import xarray as xr
-
+from grazing.late import xarray as xr
 from grazing.measured import of_table
 from grazing.outcome import InputError, listed, shown
 

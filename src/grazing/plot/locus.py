@@ -6,9 +6,9 @@ import json
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 
+from grazing.late import xarray as xr
 from grazing.outcome import InputError
 from grazing.plot.drawn import inline
 from grazing.plot.spread import spread

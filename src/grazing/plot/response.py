@@ -5,10 +5,10 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
+from grazing.late import xarray as xr
 from grazing.plot.bifurcation_diagram import branch_part
 from grazing.plot.branch import DASHES, branch, kinds, special_entries
 from grazing.plot.classes import blended, legend_beside, patch

@@ -5,11 +5,11 @@ from __future__ import annotations
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
+from grazing.late import xarray as xr
 from grazing.measured import of_table, sign_of
 from grazing.outcome import InputError, shown
 from grazing.plot.curves import in_units_of

@@ -6,11 +6,11 @@ from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
-import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
 
+from grazing.late import xarray as xr
 from grazing.outcome import InputError
 from grazing.plot.drawn import inline
 from grazing.plot.style import DOUBLE, axes, ink_on, note, period_colour, root, styled, unit_of
