@@ -86,6 +86,7 @@ def test_the_pictures_of_the_oscillator(shown, address):
     first = seen["jobs"][: workers(shown, "oscillator")]
     assert picture["row"][OSCILLATOR.index("V")] == 0.3
     assert sum(job["columns"] * job["steps"] for job in first) == 84 * 4 * 90  # every twelfth
+    assert {job["job"] for job in first} == {"points"}  # the same orbits say how high the picture is
     rest = [job for job in seen["jobs"][len(first) :] if job["job"] == "raster"]
     assert sum(job["columns"] for job in rest) == 1000
     # what settles an orbit is done once, for its points and for its period
@@ -248,7 +249,7 @@ def test_a_picture_that_takes_long_begins_with_few_orbits_and_says_how_far_it_is
     }""")
     shown.page.goto(f"{address}#version=2&view=oscillator&two=yes&sigma_B=0.12&V_B=0&columns=400")
     shown.until("() => said.some(text => /^[1-9]\\d? %$/.test(text))")
-    jobs = shown.page.evaluate("seen.jobs.filter(({job}) => job === 'raster')")
+    jobs = shown.page.evaluate("seen.jobs.filter(({job}) => job === 'points' || job === 'raster')")
     first = jobs[0]["steps"]
     assert sum(job["columns"] * job["steps"] for job in jobs if job["steps"] == first) <= 2500  # periods
     shown.page.goto(f"{address}#version=2&view=oscillator&columns=20")

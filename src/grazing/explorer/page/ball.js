@@ -186,7 +186,7 @@ export class BallView {
     if (!anew && asked.key === this.#drawn) return this.diagram.draw();
     this.#drawn = asked.key;
     this.visited = [];
-    this.diagram.show(asked.spec());
+    this.diagram.show(asked.spec);
   }
 
   /** The pool has found what starts settle on: the ball that was not thrown goes on from there. */

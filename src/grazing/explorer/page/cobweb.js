@@ -157,6 +157,6 @@ export class Beside {
   }
 
   raster() {
-    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
+    return this.diagram.range;
   }
 }

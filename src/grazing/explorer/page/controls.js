@@ -156,9 +156,12 @@ export function slider(field, [low, high], change, problem) {
       range.value = String(value);
     },
     span(ends, band = "") {
-      [from, to] = ends && seen >= ends[0] && seen <= ends[1] ? ends : [low, high];
-      scale();
-      range.value = String(seen);
+      const [a, b] = ends && seen >= ends[0] && seen <= ends[1] ? ends : [low, high];
+      if (a !== from || b !== to) {
+        [from, to] = [a, b];
+        scale();
+        range.value = String(seen);
+      }
       const painted = ends && from === ends[0] ? band : "";
       range.classList.toggle("painted", painted !== "");
       range.style.backgroundImage = painted && `url(${painted})`;

@@ -2,7 +2,7 @@
 /** A diagram as density: computed by the pool, coarse at once, then refined; painted column by column. */
 import { faded, periodColour, rgb, theme } from "./colours.js";
 import { Gestures } from "./gestures.js";
-import { linspace } from "./jobs.js";
+import { counted, extent, linspace } from "./jobs.js";
 import { Axes } from "./plot.js";
 
 /** @typedef {import("./machine.js").Floats} Floats */
@@ -10,7 +10,8 @@ import { Axes } from "./plot.js";
 /** @typedef {[number, number]} Pair */
 /**
  * What a diagram shows. `values` stands instead of an even `span`; `quick` is for the first picture, which has a
- * column for every `stride` of them; `cost` is the time of a step beside that of the gap map.
+ * column for every `stride` of them; `cost` is the time of a step beside that of the gap map. A range that is NaN
+ * is put where the orbits of the first picture are.
  * @typedef {{
  *   machine: string, row: Floats, which: number, span: Pair, columns: number, values?: Floats, coordinate: number,
  *   low: number, high: number, bins: number, seed: number, tolerance: number, cost: number, colour: boolean,
@@ -102,7 +103,7 @@ export class Diagram {
    * @param {HTMLCanvasElement} canvas
    * @param {import("./pool.js").Pool} pool
    * @param {string} channel
-   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[] | null) => void, follows?: () => boolean, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, on?: () => Axes | undefined, problem?: (text: string) => void, done?: () => void, zoomOut?: () => void, chosen?: () => number}} events `on` gives the picture on whose scale this one is drawn
+   * @param {{pick?: (x: number, y: number) => import("./gestures.js").Undo, zoom?: (x: number[], y: number[] | null) => void, follows?: () => boolean, under?: (axes: Axes, c: import("./svg.js").Pen) => void, overlay?: (axes: Axes, c: import("./svg.js").Pen) => void, on?: () => Axes | undefined, problem?: (text: string) => void, done?: () => void, ranged?: () => void, zoomOut?: () => void, chosen?: () => number}} events `on` gives the picture on whose scale this one is drawn
    */
   constructor(canvas, pool, channel, events) {
     this.axes = new Axes(canvas);
@@ -146,6 +147,12 @@ export class Diagram {
 
   get codes() {
     return this.#shown?.codes ?? new Uint8Array(0);
+  }
+
+  /** The range of what was asked for; until that is known, of what is on screen. */
+  get range() {
+    const { low, high } = Number.isNaN(this.spec.low) ? (this.drawn ?? this.spec) : this.spec;
+    return { low, high };
   }
 
   get ambiguous() {
@@ -201,20 +208,28 @@ export class Diagram {
     const { values, columns } = made, { quick } = spec;
     const firsts = values.filter((_, q) => q % quick.stride === 0);
     const put = (/** @type {number} */ from, /** @type {Int32Array} */ counts) => made.put(from * quick.stride, counts, quick.starts * quick.keep, quick.stride);
+    const asks = Number.isNaN(spec.low), job = (/** @type {Floats} */ some) => ({ ...this.#job(spec, some), ...quick });
+    /** @type {({from: number} & ReturnType<typeof import("./jobs.js").points>)[]} */
+    const found = [];
     const work = firsts.length * quick.starts * (quick.transient + quick.keep) * spec.cost;
     if (batch.now && work <= AT_ONCE && this.#took < SOON) {
-      put(0, batch.now(spec.machine, "raster", { ...this.#job(spec, firsts), ...quick }).counts);
+      if (asks) found.push({ from: 0, ...batch.now(spec.machine, "points", job(firsts)) });
+      else put(0, batch.now(spec.machine, "raster", job(firsts)).counts);
       this.#took += (performance.now() - begun - this.#took) / 4;
     } else {
       this.#took *= 0.9;
       await this.#inParts(firsts, Math.ceil(firsts.length / this.pool.workers.length), async (some, from) => {
-        put(from, (await batch.run(spec.machine, "raster", { ...this.#job(spec, some), ...quick })).counts);
+        if (asks) found.push({ from, ...(await batch.run(spec.machine, "points", job(some))) });
+        else put(from, (await batch.run(spec.machine, "raster", job(some))).counts);
       });
     }
+    if (asks) [spec.low, spec.high] = extent(found);
+    for (const { from, seen } of found) put(from, counted(seen, quick.starts * quick.keep, spec));
     [this.#shown, this.#spare] = [made, this.#shown];
     this.stage = "coarse";
     this.paint();
     if (this.#next()) return;
+    if (asks) this.events.ranged?.();
     await onScreen(); // refinement would take the processors from the frame that shows this picture
 
     await this.#inParts(values, CHUNK_WORK / spec.cost / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
@@ -331,7 +346,8 @@ export class Diagram {
   #draw(c) {
     if (!this.#shown) return;
     const { axes } = this, { spec } = this.#shown, wanted = this.#follows(spec) ? this.spec : spec;
-    const { x0, x1, y0, y1 } = this.events.on?.() ?? { x0: wanted.span[0], x1: wanted.span[1], y0: wanted.low, y1: wanted.high };
+    const { low, high } = wanted === spec ? spec : this.range;
+    const { x0, x1, y0, y1 } = this.events.on?.() ?? { x0: wanted.span[0], x1: wanted.span[1], y0: low, y1: high };
     axes.span(x0, x1, y0, y1);
     this.events.under?.(axes, c);
     const [left, top] = [axes.x(spec.span[0]), axes.y(spec.high)], [w, h] = [axes.x(spec.span[1]) - left, axes.y(spec.low) - top];

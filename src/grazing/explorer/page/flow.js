@@ -2,8 +2,8 @@
 /** The orbit diagram of the oscillator in any of its parameters, and the reduced one below it. */
 import { theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { drawWindows, outwards, reach, sayBelow, windows } from "./gap.js";
-import { extent, linspace, normalForm } from "./jobs.js";
+import { drawWindows, reach, sayBelow, windows } from "./gap.js";
+import { linspace, normalForm } from "./jobs.js";
 import { ownOf } from "./laws.js";
 import { SEARCHING, Search, costOf, drawnFrom, within, words } from "./orbits.js";
 import { plainSymbol } from "./controls.js";
@@ -36,8 +36,8 @@ export function rowOf(machine, state) {
 }
 
 /**
- * How much is computed for a diagram: its first picture, the orbits that say how high it is, and what a step costs.
- * @typedef {{machine: string, starts: number, transient: number, keep: number, cost: number, quick: import("./diagram.js").Spec["quick"], trial: {columns: number, starts: number, transient: number, keep: number}}} Work
+ * How much is computed for a diagram, and for its first picture, and what a step costs.
+ * @typedef {{machine: string, starts: number, transient: number, keep: number, cost: number, quick: import("./diagram.js").Spec["quick"]}} Work
  */
 
 /** The work for a diagram of the oscillator. @param {State} state @returns {Work & {slow: boolean}} */
@@ -48,33 +48,23 @@ function workOf(state) {
   return {
     machine: "oscillator", starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, cost: 40 * cost, slow,
     quick: hits > ENDLESSLY ? { stride: 100, starts: 1, transient: 8, keep: 8 } : dear ? { stride: 24, starts: 2, transient: 30, keep: 30 } : { stride: 12, starts: 4, transient: 50, keep: 40 },
-    trial: { columns: slow || dear ? 6 : 24, ...(slow ? { starts: 2, transient: 3, keep: 4 } : dear ? { starts: 3, transient: 20, keep: 20 } : { starts: 6, transient: 100, keep: 40 }) },
   };
 }
 
 /**
- * The diagram that a state asks for: the key of all that it depends on, and what it shows, for which a few orbits may have to be
- * followed.
+ * The diagram that a state asks for: the key of all that it depends on, and what it shows.
  * @param {Machine} machine @param {State} state @param {number} tolerance @param {Work} work
  */
-export function planned(machine, state, tolerance, { machine: name, starts, transient, keep, cost, quick, trial }) {
+export function planned(machine, state, tolerance, { machine: name, starts, transient, keep, cost, quick }) {
   const row = rowOf(machine, state), which = machine.fields.indexOf(state.vary);
   const coordinate = machine.described.coordinates.indexOf(state.coordinate);
   const common = { span: state.reach, columns: state.columns, starts, transient, keep, seed: state.seed, tolerance, colour: state.colour };
   const others = Array.from(row);
   others[which] = 0;
   const key = JSON.stringify({ ...common, others, which, coordinate, window: state.window, bins: state.bins });
-  /** @returns {import("./diagram.js").Spec} */
-  const spec = () => {
-    let [low, high] = state.window ?? [0, 0];
-    if (!state.window) {
-      const { columns, ...sizes } = trial;
-      const found = extent(machine, { row, which, values: linspace(...state.reach, columns), coordinate, seed: state.seed, ...sizes });
-      [low, high] = outwards(found.low, found.high);
-    }
-    const symbol = plainSymbol(machine.described.fields[which]);
-    return { ...common, machine: name, row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost, quick };
-  };
+  const [low, high] = state.window ?? [NaN, NaN], symbol = plainSymbol(machine.described.fields[which]);
+  /** @type {import("./diagram.js").Spec} */
+  const spec = { ...common, machine: name, row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost, quick };
   return { row, which, common, key, spec };
 }
 
@@ -120,7 +110,7 @@ export class FlowView {
     this.gap = gap;
     this.tolerance = described.tolerance;
     const answers = events(this, machine, { change, problem, done });
-    this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...answers, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
+    this.diagram = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("flow-diagram")), pool, "flow", { ...answers, ranged: done, overlay: (axes, c) => this.#overlay(axes, c), under: (axes, c) => this.#under(axes, c) });
     this.reduced = new Diagram(/** @type {HTMLCanvasElement} */ (document.getElementById("reduced-diagram")), pool, "reduced", {
       ...answers, done: undefined, follows: () => true, zoom: (span) => answers.zoom(span, this.state.window), overlay: (axes, c) => this.#overlay(axes, c, true), under: (axes, c) => this.#under(axes, c),
     });
@@ -146,7 +136,7 @@ export class FlowView {
     if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
       this.key = key;
-      this.diagram.show(spec());
+      this.diagram.show(spec);
       this.#reduce(state, row, which, machine.described.fields[which], common);
     } else {
       this.diagram.draw();
@@ -162,7 +152,7 @@ export class FlowView {
 
   /** The diagram that another state asks for. @param {State} state */
   specOf(state) {
-    return diagramOf(this.machine, state, this.tolerance).spec();
+    return diagramOf(this.machine, state, this.tolerance).spec;
   }
 
   /**
@@ -227,7 +217,7 @@ export class FlowView {
   }
 
   raster() {
-    return { low: this.diagram.spec.low, high: this.diagram.spec.high };
+    return this.diagram.range;
   }
 
   summary() {

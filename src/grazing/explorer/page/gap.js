@@ -3,7 +3,7 @@
 import { Beside, Cobweb } from "./cobweb.js";
 import { periodColour, theme } from "./colours.js";
 import { Diagram } from "./diagram.js";
-import { DRAWN, found } from "./jobs.js";
+import { DRAWN, found, outwards } from "./jobs.js";
 import { words } from "./orbits.js";
 import { LONGEST, numeral, told } from "./state.js";
 
@@ -32,15 +32,6 @@ export function reach(lam, l, [from, to]) {
   }
   const room = 0.05 * (high - low) || 0.1;
   return outwards(low - room, high + room);
-}
-
-/** An interval with no more digits than its width needs, and nothing of it lost. @param {number} low @param {number} high @returns {Pair} */
-export function outwards(low, high) {
-  const places = 3 - Math.floor(Math.log10(high - low));
-  const unit = 10 ** Math.abs(places);
-  const step = (/** @type {number} */ value, /** @type {(value: number) => number} */ to) => (places < 0 ? to(value / unit) * unit : to(value * unit) / unit);
-  const ends = /** @type {Pair} */ ([step(low, Math.floor), step(high, Math.ceil)]);
-  return ends[0] <= low && ends[1] >= high && places < 15 ? ends : [low, high];
 }
 
 /** Shade windows and draw their edges; `place` turns an edge in μ into a value on the axis, `name` a period into a word. @param {Axes} axes @param {Pen} c @param {Window[]} all @param {(mu: number) => number} place @param {(N: number) => string} name */

@@ -151,26 +151,43 @@ export function found(machine, { row, which, value, starts = 16, transient, keep
   return classes;
 }
 
-/** Where a few orbits have a coordinate, and a little more. @param {Machine} machine @param {Columns & Steps & {coordinate: number}} job */
-export function extent(machine, { row, which, values, coordinate, starts, transient, keep, seed }) {
-  const dimension = machine.described.coordinates.length;
-  const columns = values.length;
-  const rows = rowsOf(row, which, values);
-  const lanes = drawn(machine, rows, values, starts, seed);
-  const { points } = machine.call("orbits", { columns, starts, keep, rows, lanes, transient }, ["points"]);
+/** A coordinate of orbits, column by column, and where random starts are drawn. @param {Machine} machine @param {Columns & Steps & {coordinate: number}} job */
+export function points(machine, { row, which, values, coordinate, starts, transient, keep, seed }) {
+  const dimension = machine.described.coordinates.length, columns = values.length, rows = rowsOf(row, which, values);
+  const { points: all } = machine.call("orbits", { columns, starts, keep, rows, lanes: drawn(machine, rows, values, starts, seed), transient }, ["points"]);
+  const seen = Float64Array.from({ length: columns * keep * starts }, (_, i) => all[(Math.floor(i / starts) * dimension + coordinate) * starts + (i % starts)]);
+  return { seen, box: machine.call("boxes", { columns, rows }, ["boxes"]).boxes.slice(2 * coordinate, 2 * coordinate + 2) };
+}
+
+/** Where points are, and a little more. @param {ReturnType<typeof points>[]} found @returns {[number, number]} */
+export function extent(found) {
   let low = Infinity, high = -Infinity;
-  for (let q = 0; q < columns * keep; q++) {
-    for (let j = 0; j < starts; j++) {
-      const x = points[(q * dimension + coordinate) * starts + j];
-      if (Number.isFinite(x)) {
-        low = Math.min(low, x);
-        high = Math.max(high, x);
-      }
-    }
+  for (const x of found.flatMap(({ seen }) => [...seen]).filter(Number.isFinite)) {
+    low = Math.min(low, x);
+    high = Math.max(high, x);
   }
-  if (!(low <= high)) [low, high] = machine.call("boxes", { columns, rows }, ["boxes"]).boxes.slice(2 * coordinate);
+  if (!(low <= high)) [low, high] = found[0].box;
   const room = 0.05 * (high - low) || 1e-3 * (Math.abs(high) || 1);
-  return { low: low - room, high: high + room };
+  return outwards(low - room, high + room);
+}
+
+/** An interval with no more digits than its width needs, and nothing of it lost. @param {number} low @param {number} high @returns {[number, number]} */
+export function outwards(low, high) {
+  const places = 3 - Math.floor(Math.log10(high - low));
+  const unit = 10 ** Math.abs(places);
+  const step = (/** @type {number} */ value, /** @type {(value: number) => number} */ to) => (places < 0 ? to(value / unit) * unit : to(value * unit) / unit);
+  const ends = /** @type {[number, number]} */ ([step(low, Math.floor), step(high, Math.ceil)]);
+  return ends[0] <= low && ends[1] >= high && places < 15 ? ends : [low, high];
+}
+
+/** Points, so many in a column, counted as `raster` counts them. @param {Floats} seen @param {number} each @param {Omit<Range, "coordinate">} range */
+export function counted(seen, each, { low, high, bins }) {
+  const counts = new Int32Array((seen.length / each) * (bins + 3)), scale = bins / (high - low);
+  seen.forEach((x, i) => {
+    const at = x < low ? 0 : x <= high ? 1 + Math.min(Math.floor((x - low) * scale), bins - 1) : x > high ? bins + 1 : bins + 2;
+    counts[Math.floor(i / each) * (bins + 3) + at] += 1;
+  });
+  return counts;
 }
 
 /**
@@ -300,4 +317,4 @@ export function sweep(machine, { row, which, values, seed, transient, keep }) {
   return { up: way(order), down: way([...order].reverse()) };
 }
 
-export const JOBS = { raster, extent, chart, basins, found, sweep, exits };
+export const JOBS = { raster, points, chart, basins, found, sweep, exits };

@@ -197,9 +197,6 @@ function render() {
   pool?.see(shown);
   pinned?.show();
   view.show(state);
-  const raster = view.raster();
-  if (state.view === "gap" && !state.range) controls.range.set([raster.low, raster.high]);
-  if (["oscillator", "map"].includes(state.view) && !state.window) controls.window.set([raster.low, raster.high]);
   $("all").hidden = ZOOMED[shown].every((key) => same(part(state, key), part(home, key)));
   tell();
 }
@@ -265,6 +262,8 @@ function tell() {
     $("turned").nextElementSibling.textContent = plainSymbol(fields[state.vary]);
   }
   spanSliders(diagram);
+  const { low, high } = view.raster(), axis = state.view === "gap" ? "range" : ["oscillator", "map"].includes(state.view) ? "window" : null;
+  if (axis && !state[axis] && !Number.isNaN(low)) controls[axis].set([low, high]);
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
   if (diagram?.stage === "done" && diagram.ambiguous) made.push({ text: `${diagram.ambiguous} starts of the diagram met a decision that double precision cannot make.` });
   $("summary").replaceChildren(

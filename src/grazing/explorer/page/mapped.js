@@ -21,7 +21,7 @@ const SMALL = 0.25;
 
 /** The work for a diagram of a map. @param {State} state @returns {import("./flow.js").Work} */
 const workOf = ({ starts, transient, keep }) => ({
-  machine: "map", starts, transient, keep, cost: 2, quick: { stride: 2, starts: 4, transient: Math.min(200, transient), keep: 56 }, trial: { columns: 24, starts: 6, transient: 100, keep: 40 },
+  machine: "map", starts, transient, keep, cost: 2, quick: { stride: 2, starts: 4, transient: Math.min(200, transient), keep: 56 },
 });
 
 /** Take steps from states, one behind the other or all at once. @param {Machine} machine @param {Floats} rows @param {Floats} lanes @param {number} starts @param {number} keep */
@@ -71,7 +71,7 @@ export class MapView extends Beside {
     const name = BROUGHT.model?.name, [diagram, plane] = ["gap-diagram", "cobweb"].map((id) => /** @type {HTMLCanvasElement} */ (document.getElementById(id)));
     diagram.setAttribute("aria-label", `Diagram of the map ${name}. Arrow keys choose the parameter, plus and minus zoom, 0 shows all.`);
     plane.setAttribute("aria-label", `${this.flat ? "Orbits" : "Cobweb"} of the map ${name}. Arrow keys move the start, S steps, Backspace steps back, 0 begins again.`);
-    this.diagram = new Diagram(diagram, pool, "map", { ...events(this, machine, { change, problem, done }), overlay: (axes) => axes.vertical(valueOf(this.state, this.state.vary), theme().accent, [], 1.6) });
+    this.diagram = new Diagram(diagram, pool, "map", { ...events(this, machine, { change, problem, done }), ranged: done, overlay: (axes) => axes.vertical(valueOf(this.state, this.state.vary), theme().accent, [], 1.6) });
     this.search = new Search(pool, "map-words", { found: () => (this.cobweb.draw(), done()), problem });
     this.cobweb = new Cobweb(this, { change }, this.flat);
   }
@@ -82,7 +82,7 @@ export class MapView extends Beside {
 
   /** The diagram that another state asks for. @param {State} state */
   specOf(state) {
-    return planned(this.machine, state, this.tolerance, workOf(state)).spec();
+    return planned(this.machine, state, this.tolerance, workOf(state)).spec;
   }
 
   /** @param {State} state */
@@ -93,7 +93,7 @@ export class MapView extends Beside {
     if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
       this.key = key;
-      this.diagram.show(spec());
+      this.diagram.show(spec);
     } else this.diagram.draw();
     this.search.ask("map", this.machine, { row, which, value: row[which], starts: DRAWN, transient: Math.max(2000, state.transient), seed: state.seed, tolerance: this.tolerance }, 0.01);
     this.cobweb.draw();

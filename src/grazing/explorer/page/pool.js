@@ -16,7 +16,7 @@ import { startWorker } from "./where.js";
  * `run` resolves with the result, or never if the batch has been replaced; `now`, where it is, does a job in the page.
  * @typedef {{
  *   live: () => boolean,
- *   now?: (machine: string, job: "raster", given: Parameters<Jobs["raster"]>[1]) => ReturnType<Jobs["raster"]>,
+ *   now?: <Job extends keyof Jobs>(machine: string, job: Job, given: Parameters<Jobs[Job]>[1]) => ReturnType<Jobs[Job]>,
  *   run: <Job extends keyof Jobs>(machine: string, job: Job, given: Parameters<Jobs[Job]>[1]) => Promise<ReturnType<Jobs[Job]>>,
  * }} Batch
  */
@@ -121,7 +121,7 @@ export class Pool {
     this.#look();
     return {
       live,
-      now: (machine, job, given) => JOBS[job](this.machines[machine], given),
+      now: (machine, job, given) => /** @type {any} */ (JOBS)[job](this.machines[machine], given),
       run: (machine, job, given) =>
         new Promise((resolve, reject) => {
           if (!live()) return;
