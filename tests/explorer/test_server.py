@@ -190,6 +190,12 @@ def test_a_copy_that_was_interrupted_is_completed(monkeypatch, tmp_path):
     assert all((tmp_path / name.lstrip("/")).exists() for name in files() if not name.endswith("/"))
 
 
+def test_a_copy_that_another_process_has_just_begun_is_no_other_site(tmp_path):
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / f".{'0' * 32}.partial").touch()
+    assert copy_to(tmp_path).read_text(encoding="utf-8") == rooted()
+
+
 def test_a_copy_on_a_full_disk_stays_the_older_one(monkeypatch, tmp_path):
     """Half renewed, it had the description of one law beside the kernels of another."""
     page = copy_to(tmp_path)

@@ -27,7 +27,7 @@ from urllib.parse import unquote, urlsplit
 from grazing.explorer.calls import CALLS, LARGEST_CALL
 from grazing.outcome import GrazingError, InputError
 from grazing.paths import path_of
-from grazing.writing import whole_file
+from grazing.writing import PARTIAL, whole_file
 
 HOST = "127.0.0.1"
 FOLDER = Path(__file__).parent
@@ -367,7 +367,10 @@ def copy_to(folder: str | Path, kernels: Path | None = None) -> Path:
     goals = {to / name.lstrip("/"): path for name, path in source.items() if not name.endswith("/")}
     try:
         for there, mark in zip((root, *(to / part for part in PARTS)), marks, strict=True):
-            taken = any(there.iterdir()) if os.path.isdir(there) else os.path.exists(there)
+            if os.path.isdir(there):
+                taken = not all(PARTIAL.fullmatch(each.name) for each in there.iterdir())
+            else:
+                taken = os.path.exists(there)
             if os.path.islink(there) or (taken and not ours(mark)):
                 raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
         for goal, path in goals.items():
