@@ -126,6 +126,22 @@ def test_what_cannot_be_written_is_said_and_leaves_nothing(result, tmp_path):
 # ---- Parquet
 
 
+def test_on_a_full_disk_no_table_is_that_of_another_result(result, tmp_path, monkeypatch):
+    written, full = export._csv, iter([False, True])
+
+    def to_full(*given):
+        if next(full):
+            raise OSError(28, "No space left on device")
+        written(*given)
+
+    before = {file: file.read_bytes() for file in to_csv(result, tmp_path / "a.csv")}
+    assert len(before) > 1
+    monkeypatch.setattr(export, "_csv", to_full)
+    with pytest.raises(InputError, match="No space left on device"):
+        to_csv(result.assign(u=2 * result.u), tmp_path / "a.csv")
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
 def parquet(file):
     from pyarrow import parquet
 

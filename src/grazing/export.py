@@ -5,6 +5,7 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Callable, Iterator
+from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -180,8 +181,9 @@ def _tables_written(
         raise InputError(
             f"tables of dimensions {', '.join(str(dims) for dims, _names in parts)} would share a file; rename some"
         )
-    for (dims, names), file in zip(parts, files, strict=True):
-        with whole_file(file) as part:
+    with ExitStack() as stack:  # all are written before any gets its name: those of two results do not mix
+        for (dims, names), file in zip(parts, files, strict=True):
+            part = stack.enter_context(whole_file(file))
             try:
                 write(part, [_titled(flat, name) for name in (*dims, *names)], _pieces(flat, dims, names))
             except (

@@ -13,6 +13,7 @@ import threading
 import time
 import webbrowser
 from contextlib import suppress
+from errno import ENOSPC
 
 import pytest
 
@@ -187,6 +188,51 @@ def test_a_copy_that_was_interrupted_is_completed(monkeypatch, tmp_path):
         copy_to(tmp_path)
     copy_to(tmp_path)
     assert all((tmp_path / name.lstrip("/")).exists() for name in files() if not name.endswith("/"))
+
+
+def test_a_copy_that_another_process_has_just_begun_is_no_other_site(tmp_path):
+    (tmp_path / "kernels").mkdir()
+    (tmp_path / "kernels" / f".{'0' * 32}.partial").touch()
+    assert copy_to(tmp_path).read_text(encoding="utf-8") == rooted()
+
+
+def test_a_copy_on_a_full_disk_stays_the_older_one(monkeypatch, tmp_path):
+    """Half renewed, it had the description of one law beside the kernels of another."""
+    page = copy_to(tmp_path)
+    for file in (page, tmp_path / "page" / "main.js", tmp_path / "kernels" / "oscillator.wasm"):
+        file.write_text("an older grazing explorer")
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*.*")}
+
+    def copied(path, goal):
+        if path.name == "table.wasm":
+            raise OSError(ENOSPC, "No space left on device")
+        goal.write_bytes(path.read_bytes())
+
+    monkeypatch.setattr("grazing.explorer.server.shutil.copyfile", copied)
+    with pytest.raises(InputError, match="No space left on device"):
+        copy_to(tmp_path)
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*.*")} == before
+
+
+@pytest.mark.parametrize("count", [1, 2, 3, 4, 30])
+def test_a_copy_that_is_killed_says_that_it_is_not_complete(monkeypatch, tmp_path, count):
+    copy_to(tmp_path)
+    (tmp_path / "kernels" / "oscillator.wasm").write_bytes(b"older")
+    replace, left = os.replace, iter(range(count))
+
+    def replaced(*given):
+        if next(left, None) is None:
+            raise KeyboardInterrupt
+        replace(*given)
+
+    with monkeypatch.context() as patched, pytest.raises(KeyboardInterrupt):
+        patched.setattr("grazing.writing.os.replace", replaced)
+        copy_to(tmp_path)
+    marks = [tmp_path / name for name in ("index.html", "page/index.html", "kernels/kernels.json")]
+    assert sum("not complete" in mark.read_text(encoding="utf-8") for mark in marks) == min(count, 3)
+    copy_to(tmp_path)
+    assert not any("not complete" in mark.read_text(encoding="utf-8") for mark in marks)
+    assert (tmp_path / "kernels" / "oscillator.wasm").read_bytes() != b"older"
 
 
 @pytest.mark.parametrize(

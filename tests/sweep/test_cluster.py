@@ -1,6 +1,7 @@
 import os
 import random
 import signal
+import subprocess
 import sys
 import threading
 from contextlib import suppress
@@ -164,3 +165,29 @@ def test_the_cluster_that_was_joined_goes_on(tmp_path, expected):
             assert sweep.run(plan(n=SWEEP["n"]), tmp_path / "a.zarr", chunk=40, executor=joined).complete
         assert client.run_on_scheduler(lambda dask_scheduler: dask_scheduler.allowed_failures) == 1000
         assert client.run(os.getpid)
+
+
+INTERRUPTED = """
+import os, signal, sys
+from grazing import sweep
+from tests.sweep.plans import plan
+
+def stop(done, of):
+    if done > 2:
+        os.killpg(0, signal.SIGINT)
+
+signal.signal(signal.SIGINT, signal.default_int_handler)
+try:
+    with sweep.cluster("local", 2, threads_per_worker=1) as executor:
+        sweep.run(plan(n=400, pause=0.1), sys.argv[1], chunk=4, executor=executor, progress=stop)
+except KeyboardInterrupt:
+    print("interrupted")
+"""
+
+
+@pytest.mark.skipif(not hasattr(os, "killpg"), reason="POSIX groups of processes")
+def test_ctrl_c_which_all_processes_of_a_terminal_get_is_said_once(tmp_path):
+    pytest.importorskip("distributed")
+    command = [sys.executable, "-c", INTERRUPTED, tmp_path / "a.zarr"]
+    ended = subprocess.run(command, capture_output=True, text=True, start_new_session=True, timeout=600)
+    assert ended.stdout == "interrupted\n" and "KeyboardInterrupt" not in ended.stderr

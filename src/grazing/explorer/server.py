@@ -13,8 +13,8 @@ import re
 import shutil
 import stat
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import ExitStack, contextmanager, suppress
 from http import HTTPStatus
 from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -27,7 +27,7 @@ from urllib.parse import unquote, urlsplit
 from grazing.explorer.calls import CALLS, LARGEST_CALL
 from grazing.outcome import GrazingError, InputError
 from grazing.paths import path_of
-from grazing.writing import whole_file
+from grazing.writing import PARTIAL, whole_file
 
 HOST = "127.0.0.1"
 FOLDER = Path(__file__).parent
@@ -344,10 +344,17 @@ def rooted() -> str:
     return re.sub(r'(href|src)="(?=[\w.]+\.(?:css|js|html)")', r'\1="page/', text)
 
 
+def _not_complete(marks: Iterable[Path]) -> None:
+    """Let a copy say that it is not complete: of two versions, its numbers would be those of neither."""
+    for mark in marks:
+        with whole_file(mark) as new:
+            new.write_text("This copy of the grazing explorer is not complete. Make it again.\n", encoding="utf-8")
+
+
 def copy_to(folder: str | Path, kernels: Path | None = None) -> Path:
     """Copy the page and its kernels to a folder, for any web server; return the page, at its root.
 
-    A copy that is there already is renewed; other files in the folder stay.
+    A copy that is there already is renewed, or stays if it cannot be; other files in the folder stay.
 
     Raises
     ------
@@ -355,23 +362,27 @@ def copy_to(folder: str | Path, kernels: Path | None = None) -> Path:
         If the folder cannot be written to, or holds an ``index.html``, ``page`` or ``kernels`` of somebody else.
     """
     source, to = files(kernels), path_of(folder)
-    first = [f"/{part}/{needed}" for part, needed in PARTS.items()]  # a copy that was interrupted is known by these
     root = to / PARTS["page"]
+    marks = [root, *(to / part / needed for part, needed in PARTS.items())]  # by which a copy is known
+    goals = {to / name.lstrip("/"): path for name, path in source.items() if not name.endswith("/")}
     try:
-        for there, mark in [(root, root), *((to / part, to / part / needed) for part, needed in PARTS.items())]:
-            taken = any(there.iterdir()) if os.path.isdir(there) else os.path.exists(there)
+        for there, mark in zip((root, *(to / part for part in PARTS)), marks, strict=True):
+            if os.path.isdir(there):
+                taken = not all(PARTIAL.fullmatch(each.name) for each in there.iterdir())
+            else:
+                taken = os.path.exists(there)
             if os.path.islink(there) or (taken and not ours(mark)):
                 raise InputError(f"{there} is there and not a copy of the explorer; choose another folder")
-        for name, path in sorted(source.items(), key=lambda item: item[0] not in first):
-            if not name.endswith("/"):
-                goal = to / name.lstrip("/")
-                goal.parent.mkdir(parents=True, exist_ok=True)
-                if os.path.exists(goal) and not os.path.islink(goal) and goal.samefile(path):
-                    raise shutil.SameFileError("its page is the same file")
-                with whole_file(goal) as new:
-                    shutil.copyfile(path, new)
-        with whole_file(root) as new:
-            new.write_text(rooted(), encoding="utf-8", newline="\n")
+        for goal, path in goals.items():
+            goal.parent.mkdir(parents=True, exist_ok=True)
+            if os.path.exists(goal) and not os.path.islink(goal) and goal.samefile(path):
+                raise shutil.SameFileError("its page is the same file")
+        _not_complete(mark for mark in marks if not mark.exists())
+        with ExitStack() as stack:  # all is written before any of it gets its name; the marks get theirs last
+            stack.enter_context(whole_file(root)).write_text(rooted(), encoding="utf-8", newline="\n")
+            for goal in sorted(goals, key=lambda goal: goal not in marks):
+                shutil.copyfile(goals[goal], stack.enter_context(whole_file(goal)))
+            _not_complete(marks)
     except OSError as error:
         raise InputError(
             f"cannot write to {folder}: {error.strerror or error}; choose a folder that can be made and written to"

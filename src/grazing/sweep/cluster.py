@@ -17,6 +17,8 @@ PATIENCE = 1000
 AWAY = "5s"
 #: A client of ours alone: one that is Dask's default stays so if it finds no scheduler, and nothing is saved any more.
 OWN = {"set_as_default": False}
+#: What the processes of a local cluster begin with. Ctrl-C reaches them as well, and is for the one that they work for.
+UNINTERRUPTED = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
 QUEUES = {
     "htcondor": "HTCondorCluster",
     "lsf": "LSFCluster",
@@ -86,7 +88,10 @@ def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
     once none is left a sweep would wait for ever.
     """
     if kind == "local":
-        here = _made(_imported("distributed").LocalCluster, n_workers=workers, **{"dashboard_address": None, **options})
+        ours: dict[str, Any] = {"dashboard_address": None}
+        if options.get("processes", True):
+            ours["preload"] = UNINTERRUPTED
+        here = _made(_imported("distributed").LocalCluster, n_workers=workers, **ours | options)
         here.adapt(minimum=len(here.worker_spec), maximum=len(here.worker_spec))
         return here
     queue = _made(getattr(_imported("dask_jobqueue"), QUEUES[kind]), **options)
