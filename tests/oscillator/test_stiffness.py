@@ -67,6 +67,22 @@ def test_flight_and_its_error_bound(name):
     assert np.max(ratios) <= 1.0 + 1e-9
 
 
+@pytest.mark.parametrize(("alpha", "stiffness"), [(-0.3, -4.8), (0.3, -4.8), (-0.3, -4.2), (-4.0, 1.0)])
+def test_impacts_are_as_sharp_as_flights_that_would_go_far_beyond_the_wall(alpha, stiffness):
+    """By the end of a window flights may have parted by e to the 30: an impact early in it is not as blurred."""
+    law = active(0.8, 0.1)
+    problem = Problem(
+        alpha, 0.0, 0.5, 5.19, offset=-0.1, cos=(1.1,), sin=(0.0,), sigma=-0.49, stiffness=stiffness, law=law
+    )
+    u = 0.46
+    for v in (-1.14, -1.3, -1.6, -2.0):
+        flown = gz.trajectory(model_of(problem), (u, v), until=2.0)
+        assert flown.trust.item() == "certified"
+        height, speed = free_flight(problem, 0.0, u, v, float(flown.impact_time.values[0]))
+        assert abs(float(height) - problem.sigma) <= 1e-14
+        assert abs(float(speed) - flown.v_minus.values[0]) <= 1e-13
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_no_dip_is_missed_and_none_is_made_up(name):
     """Dips and clearances of 1e-4 to 1e-12; a missed one changes the state by what the kick V is."""

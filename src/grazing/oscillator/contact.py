@@ -127,6 +127,8 @@ def descent(a: Anchor, lo: float, hi: float, s: float, c: Constants) -> tuple[fl
             lo = s
         else:
             hi = s
+        if c.grows > 0.0:  # by the end of the bracket rounding may have grown without bound
+            settled = min(settled, noise(s, a, c)[0] / 64.0)
         if abs(y) <= settled and v < 0.0:
             new = s - y / v
             s = new if lo <= new <= hi else s
