@@ -230,10 +230,7 @@ export function chart(machine, { row, which, values, starts, transient, keep, se
   }
   const { boxes } = machine.call("boxes", { columns, rows }, ["boxes"]);
   const { lanes } = machine.call("draw", { columns, starts, axes: 2, seed, names: values, boxes }, ["lanes"]);
-  const sizes = { columns, starts, keep };
-  const orbits = machine.call("orbits", { ...sizes, rows, lanes, transient }, ["points", "letters", "outcomes"]);
-  const { period, key } = machine.call("classify", { ...sizes, rows, ...orbits, tolerance }, ["period", "key"]);
-  const { first } = machine.call("rank", { columns, starts, period, key }, ["first"]);
+  const { period, first } = settled(machine, { columns, rows, lanes, starts, transient, keep, tolerance });
   return { codes: Uint8Array.from({ length: columns }, (_, q) => Math.min(254, Math.max(0, period[q * starts + first[q * starts]]))) };
 }
 
