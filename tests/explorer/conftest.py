@@ -64,7 +64,7 @@ def pages(browser):
     @contextmanager
     def one(kept, viewport, reduced_motion="no-preference", color_scheme="light", coarse=True, **device):
         size, media = viewport, {"reduced_motion": reduced_motion, "color_scheme": color_scheme}
-        key = json.dumps([coarse, device])
+        key = json.dumps([reduced_motion, coarse, device])  # what a flight leaves behind is none of a calm page
         left = open_ones.setdefault(key, [])
         page = left.pop() if kept and left else None
         if page is None:

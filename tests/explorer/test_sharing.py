@@ -180,8 +180,6 @@ def test_older_links_keep_working(shown, address, link):
 @pytest.mark.parametrize("view", ["ball", "gap", "chart&chart_columns=40&chart_rows=30"])
 def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
     shown.open(f"{address}#version=2&view={view}&columns=60")
-    if view == "ball":
-        shown.page.click("#play")
     found = []
     for times in ("0", "3840"):
         shown.page.select_option("#times", times)
