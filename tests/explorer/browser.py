@@ -24,8 +24,8 @@ GO = """(link) => new Promise((done) => {
 #: Takes back what hands have done beside the link: details, a ball that stands or is fast, sound, focus, what was said.
 REST = """async () => {
   if (globalThis.many) Object.assign((await import("./state.js")).DEFAULTS, globalThis.many);
-  const { ball } = explorer.views, { matches: calm } = matchMedia("(prefers-reduced-motion: reduce)");
-  if (ball && ball.playing === calm) document.getElementById("play").click();
+  const { ball } = explorer.views;
+  if (ball?.playing) document.getElementById("play").click();
   if (ball?.sound.on) document.getElementById("sound").click();
   if (ball) ball.speed = Number(document.getElementById("speed").value = 1);
   document.getElementById("end").click();
@@ -36,8 +36,30 @@ REST = """async () => {
   document.activeElement.blur();
   scrollTo(0, 0);
 }"""
-#: Leaves the picture of exits at its first side: the two finer ones are 80 times as many launches.
+#: The same of the table's page, whose next link makes the rest anew.
+TABLE_REST = """() => {
+  const at = (id) => document.getElementById(id), pressed = (id) => at(id).getAttribute("aria-pressed") === "true";
+  pinball.game().clear();
+  for (const id of ["pause", "sound"]) if (pressed(id)) at(id).click();
+  const pace = document.querySelector("#controls [name=pace]");
+  pace.value = 1;
+  pace.dispatchEvent(new Event("input"));
+  at("end").click();
+  at("copied").textContent = "";
+  document.querySelector("#problem button").click();
+  document.activeElement.blur();
+  scrollTo(0, 0);
+  history.replaceState(null, "", "#");
+}"""
+#: Lets the ball fly, or stand, as the reader wants it now.
+CALM = """() => {
+  const ball = globalThis.explorer?.views.ball, { matches: calm } = matchMedia("(prefers-reduced-motion: reduce)");
+  if (ball && ball.playing === calm) document.getElementById("play").click();
+}"""
+#: Leaves the picture of exits at its first side.
 COARSE = """async () => { (await import("./exits.js")).SIDES.length = 1; }"""
+#: The same in a page that is about to load.
+COARSE_FIRST = f"if (location.pathname.endsWith('table.html')) ({COARSE})();"
 #: Makes small what links leave to the defaults, where the page goes to whole scenes by itself; REST takes it back.
 FEW = """async () => {
   const { DEFAULTS } = await import("./state.js");
@@ -53,8 +75,8 @@ STILL = "#version=2&view=edges"
 class Shown:
     """A page with what it asked for, complained of and shows."""
 
-    def __init__(self, page):
-        self.page, self.asked, self.errors, self.kept = page, [], [], False
+    def __init__(self, page, media=None):
+        self.page, self.media, self.asked, self.errors, self.kept = page, media, [], [], False
         page.on("request", lambda request: self.asked.append(request.url))
         page.on("pageerror", lambda error: self.errors.append(str(error)))
 
@@ -64,29 +86,44 @@ class Shown:
         return self.page.context.new_cdp_session(self.page)
 
     def open(self, link):
-        """Show a link; in a page that is kept open, and is there already, without loading it anew."""
+        """Show a link of the explorer, and wait for its pictures."""
+        self.go(link)
+        self.settle()
+
+    def go(self, link):
+        """Go to a link; in a page that is kept open, and is there already, without loading it anew."""
         there, mark, fragment = link.partition("#")
         if self.kept and mark and self.page.url.partition("#")[0] == there:
             self.page.evaluate(GO, mark + fragment)
         else:
             self.page.goto(link)
-        self.settle()
 
-    def rest(self, size):
-        """Be as new for the next test."""
+    def rest(self):
+        """Do nothing until the next test, for which it is as new."""
         self.kept = True
         self.asked.clear()
         self.page.mouse.move(0, 0)
-        self.page.set_viewport_size(size)
         if self.page.evaluate("() => Boolean(globalThis.explorer)"):
             self.page.evaluate(REST)
             self.page.evaluate(GO, STILL)
+        elif self.page.evaluate("() => Boolean(globalThis.pinball?.game())"):
+            self.page.evaluate(TABLE_REST)
+
+    def turn(self, size, media):
+        """Be the page of another reader."""
+        if self.page.viewport_size != size:
+            self.page.set_viewport_size(size)
+        if self.media != media:
+            self.media = media
+            self.page.emulate_media(**media)
+        self.page.evaluate(CALM)
 
     def until(self, condition):
-        end = time.monotonic() + SECONDS
+        end, pause = time.monotonic() + SECONDS, 0.02
         while not self.page.evaluate(condition):
             assert time.monotonic() < end, f"not within {SECONDS} s: {condition}; {self.problem()}"
-            time.sleep(0.02)
+            time.sleep(pause)
+            pause = min(1.25 * pause, 0.1)  # to look is work as well
 
     def settle(self):
         self.until(

@@ -2,13 +2,14 @@ import json
 import os
 import threading
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
 
 import pytest
 
 from grazing.explorer.build import DESCRIPTION, FOLDER, MODULES
 from grazing.explorer.server import server
-from tests.explorer.browser import CHROMIUM, Shown
+from tests.explorer.browser import CHROMIUM, COARSE_FIRST, Shown
 
 #: The modules that are tested: those of the package, or those that another linker made of the same kernels.
 KERNELS = Path(os.environ.get("GRAZING_KERNELS") or FOLDER)
@@ -51,8 +52,8 @@ def browser():
 
 @pytest.fixture
 def motion():
-    """Whether the reader wants things to move: where nobody looks, a ball's flight is a third of the work."""
-    return "no-preference"
+    """Whether the reader wants things to move: a ball that flies where no test looks is a third of the work."""
+    return "reduce"
 
 
 @pytest.fixture(scope="session")
@@ -61,24 +62,30 @@ def pages(browser):
     open_ones = {}
 
     @contextmanager
-    def one(kept, **reader):
-        key = json.dumps(reader)
-        page = open_ones.pop(key, None) if kept else None
+    def one(kept, viewport, reduced_motion="no-preference", color_scheme="light", coarse=True, **device):
+        size, media = viewport, {"reduced_motion": reduced_motion, "color_scheme": color_scheme}
+        key = json.dumps([reduced_motion, coarse, device])  # what a flight leaves behind is none of a calm page
+        left = open_ones.setdefault(key, [])
+        page = left.pop() if kept and left else None
         if page is None:
-            context = browser.new_context(**reader)
+            context = browser.new_context(viewport=size, **media, **device)
             context.grant_permissions(["clipboard-read", "clipboard-write"])
-            page = Shown(context.new_page())
+            if coarse:
+                context.add_init_script(COARSE_FIRST)
+            page = Shown(context.new_page(), media)
+        else:
+            page.turn(size, media)
         yield page
         errors = page.errors
         if kept and not errors:
-            page.rest(reader["viewport"])
-            open_ones[key] = page
+            page.rest()
+            left.append(page)
         else:
             page.page.context.close()
         assert errors == []
 
     yield one
-    for page in open_ones.values():
+    for page in chain.from_iterable(open_ones.values()):
         page.page.context.close()
 
 
@@ -89,8 +96,14 @@ def kept():
 
 
 @pytest.fixture
-def shown(pages, motion, kept):
-    with pages(kept, viewport={"width": 1280, "height": 800}, reduced_motion=motion) as page:
+def coarse():
+    """Whether the picture of exits stays at its first side: the finer ones are 80 times as many launches."""
+    return True
+
+
+@pytest.fixture
+def shown(pages, motion, kept, coarse):
+    with pages(kept, viewport={"width": 1280, "height": 800}, reduced_motion=motion, coarse=coarse) as page:
         yield page
 
 

@@ -18,6 +18,11 @@ def kept():
     return True
 
 
+@pytest.fixture
+def motion():
+    return "no-preference"
+
+
 BALL = "explorer.views.ball"
 CHAOTIC = "alpha=0.2&omega=2.6&offset=0.14&V=0.1"
 
@@ -39,6 +44,7 @@ WRITTEN = f"""() => {{
 }}"""
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_all_attractors_are_drawn_and_named_with_their_shares(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20&offset=0.1225")
     names, colours, flights = (
@@ -98,6 +104,7 @@ MEASURED = """async ([u, v, turns]) => {
 }"""
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 @pytest.mark.parametrize(
     ("given", "model", "close"),
     [
@@ -191,6 +198,7 @@ def test_hops_that_chatter_accumulate_as_they_are_stepped_through(shown, address
     shown.until("() => globalThis.counted.includes('∞')")
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_the_ball_is_below_the_words_at_the_top_of_its_swing(shown, address):
     shown.open(f"{address}#version=2&view=ball&offset=0.14&columns=20&tour=2")
     shown.until(f"() => {BALL}.classes.length")
@@ -259,6 +267,7 @@ def test_chatter_brings_balls_together_without_end(shown, address):
     assert "λ = −∞" in shown.page.inner_text("#rate")
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_how_sure_the_rate_is_is_said_with_it(shown, address):
     """Of chaos the mean of independent runs lies within a few of the errors that each says."""
     shown.open(f"{address}#version=2&view=ball&columns=20&{CHAOTIC}")
@@ -283,6 +292,7 @@ def test_a_twin_that_parts_on_a_stable_orbit_is_explained_and_stops_nothing(show
 # ---- sweeps
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(shown, address, tmp_path):
     shown.open(f"{address}#version=2&view=ball&columns=80&reach=0.118:0.128")
     plain = shown.pixels("ball-diagram")
@@ -318,6 +328,7 @@ def test_sweeps_follow_one_ball_as_in_python_and_differ_where_two_orbits_live(sh
     assert (period(up[0]), period(down[0])) == (3, 3) and (period(up[-1]), period(down[-1])) == (4, 4)
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_sweeps_of_the_wall_stay_above_it(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=40&vary=sigma&reach=-0.2:0.1&sweeps=yes")
     shown.until(f"() => {BALL}.company.sweeps.found")

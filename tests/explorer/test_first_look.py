@@ -4,8 +4,6 @@ import re
 
 import pytest
 
-from tests.explorer.browser import COARSE, Shown
-
 
 @pytest.fixture
 def kept():
@@ -78,39 +76,31 @@ def test_the_answer_about_the_gap_shows_both(shown, address):
 
 
 @pytest.mark.parametrize("page", ["index.html", "table.html"])
-def test_on_a_phone_no_place_is_out_of_sight(browser, address, page):
-    context = browser.new_context(viewport={"width": 390, "height": 844}, has_touch=True, is_mobile=True)
-    shown = Shown(context.new_page())
-    shown.page.goto(f"{address.removesuffix('index.html')}{page}")
-    shown.until("() => document.querySelectorAll('nav > *').length > 4")
-    ends = shown.page.evaluate(
+def test_on_a_phone_no_place_is_out_of_sight(phone, address, page):
+    phone.page.goto(f"{address.removesuffix('index.html')}{page}")
+    phone.until("() => document.querySelectorAll('nav > *').length > 4")
+    ends = phone.page.evaluate(
         "() => [...document.querySelectorAll('nav > *')].map(e => e.getBoundingClientRect().right)"
     )
     assert max(ends) <= 390
-    tops = shown.page.evaluate(
+    tops = phone.page.evaluate(
         "() => [...document.querySelectorAll('header > h1, .tools > *')].map(e => e.getBoundingClientRect().bottom)"
     )
-    context.close()
-    assert max(tops) < 60 and shown.errors == []  # one line
+    assert max(tops) < 60  # one line
 
 
 @pytest.mark.parametrize("size", [(1280, 800), (1920, 1080)])
-def test_a_game_is_copied_without_scrolling(browser, address, size):
-    context = browser.new_context(viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce")
-    shown = Shown(context.new_page())
-    shown.page.goto(f"{address.removesuffix('index.html')}table.html")
-    shown.page.evaluate(COARSE)
-    shown.until("() => window.pinball && pinball.game()")
-    box = shown.page.locator("[data-copy=link]").bounding_box()
-    table = shown.page.locator("#table").bounding_box()
-    context.close()
-    assert box["y"] + box["height"] <= size[1] and table["height"] > 0.7 * size[1] and shown.errors == []
+def test_a_game_is_copied_without_scrolling(pages, address, size):
+    with pages(True, viewport={"width": size[0], "height": size[1]}, reduced_motion="reduce") as shown:
+        shown.page.goto(f"{address.removesuffix('index.html')}table.html")
+        shown.until("() => window.pinball && pinball.game()")
+        box = shown.page.locator("[data-copy=link]").bounding_box()
+        table = shown.page.locator("#table").bounding_box()
+        assert box["y"] + box["height"] <= size[1] and table["height"] > 0.7 * size[1]
 
 
-@pytest.mark.parametrize("motion", ["reduce"])
 def test_growth_is_told_in_words(shown, address):
     shown.page.goto(f"{address.removesuffix('index.html')}table.html")
-    shown.page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game() && pinball.exits()")
     shown.page.evaluate("() => { pinball.plunge(0.7); pinball.pause(); pinball.split(); }")
     shown.page.evaluate("() => { for (let i = 0; i < 200; i++) pinball.step(1 / 60); }")

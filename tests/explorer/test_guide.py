@@ -16,11 +16,6 @@ def kept():
     return True
 
 
-@pytest.fixture
-def motion():
-    return "reduce"
-
-
 @pytest.fixture(scope="module")
 def tour(browser, address):
     page = browser.new_page()

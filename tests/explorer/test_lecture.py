@@ -4,8 +4,6 @@ import re
 from contextlib import nullcontext
 from pathlib import Path
 
-import pytest
-
 from tests.explorer.browser import COARSE, FEW
 
 ROWS = re.findall(
@@ -13,11 +11,6 @@ ROWS = re.findall(
     (Path(__file__).parents[2] / "docs" / "explorer.md").read_text(encoding="utf-8"),
     re.MULTILINE,
 )
-
-
-@pytest.fixture
-def motion():
-    return "reduce"
 
 
 def said(shown, what, words):

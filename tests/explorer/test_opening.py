@@ -14,6 +14,11 @@ def kept():
     return True
 
 
+@pytest.fixture
+def motion():
+    return "no-preference"
+
+
 BALL = "explorer.views.ball"
 
 
@@ -56,6 +61,7 @@ def test_the_page_opens_on_the_ball(shown, address):
     assert letters(shown)[:6] in {"001001", "010010", "100100"}  # there is something to see at once
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 @pytest.mark.parametrize(
     ("given", "words"),
     [
@@ -207,6 +213,7 @@ def test_a_preset_and_a_link_begin_anew(shown, address):
     shown.until(f"() => explorer.state().offset === 0.12 && !{BALL}.lived")
 
 
+@pytest.mark.parametrize("motion", ["reduce"])
 def test_the_slider_spans_the_diagram_in_its_colours(shown, address):
     shown.open(f"{address}#version=2&view=ball&reach=0.118:0.128")
     slider = "document.querySelector('input[name=offset]').closest('.control').querySelector('input[type=range]')"

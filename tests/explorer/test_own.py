@@ -594,11 +594,6 @@ def map_page(mapped, tmp_path_factory, map_calls):
         yield address
 
 
-@pytest.fixture
-def motion():
-    return "reduce"
-
-
 SMALL = "columns=20&bins=40&flow_starts=2&flow_transient=40&flow_keep=30"
 LAW = "version=2&law=soft&omega=2.2&alpha=0.3&sigma=-0.1&offset=0.12&r=0.8&A.c=0.5&A.kick=0.2"
 

@@ -180,8 +180,6 @@ def test_older_links_keep_working(shown, address, link):
 @pytest.mark.parametrize("view", ["ball", "gap", "chart&chart_columns=40&chart_rows=30"])
 def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
     shown.open(f"{address}#version=2&view={view}&columns=60")
-    if view == "ball":
-        shown.page.click("#play")
     found = []
     for times in ("0", "3840"):
         shown.page.select_option("#times", times)
@@ -203,6 +201,7 @@ def test_a_picture_is_saved_at_a_chosen_size(shown, address, tmp_path, view):
 # ---- the way back
 
 
+@pytest.mark.parametrize("motion", ["no-preference"])
 def test_every_change_of_scene_is_a_step_back(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")
     shown.link()
@@ -230,6 +229,7 @@ def test_every_change_of_scene_is_a_step_back(shown, address):
     assert shown.problem() == ""
 
 
+@pytest.mark.parametrize("motion", ["no-preference"])
 @LOADED  # a history has 50 steps at most
 def test_moves_of_a_slider_are_no_steps(shown, address):
     shown.open(f"{address}#version=2&view=ball&columns=20")

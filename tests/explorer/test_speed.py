@@ -5,6 +5,12 @@ import pytest
 
 from grazing.explorer.oscillator import FIELDS as OSCILLATOR
 
+
+@pytest.fixture
+def motion():
+    return "no-preference"
+
+
 #: Of a diagram: the jobs sent to the workers, and its pictures as they come, with the state and what they hold.
 WATCH = """
 (view) => {
@@ -171,6 +177,7 @@ TABLE = """
 
 
 @pytest.mark.long
+@pytest.mark.parametrize("coarse", [False], ids=["whole"])
 @pytest.mark.parametrize(
     ("page", "ready", "minute", "memory"),
     [

@@ -9,17 +9,21 @@ import pytest
 import grazing as gz
 from grazing.billiard.distance import distance
 from grazing.explorer.table import described_tables
-from tests.explorer.browser import COARSE
+from tests.explorer.browser import COARSE, LOADED
 from tests.explorer.test_page import AXE
 
 GAME = "pinball.game()"
+#: Whether all exits of the table that is shown are found.
+FOUND = "() => pinball.exits().side >= 40 && pinball.exits().left === 0"
 
 
-def opened(shown, address, fragment="#v=1&table=classic", still=True):
-    if still:  # no ball is launched by itself
-        shown.page.emulate_media(reduced_motion="reduce")
-    shown.page.goto(address.replace("index.html", "") + "table.html" + fragment)
-    shown.page.evaluate(COARSE)
+@pytest.fixture
+def kept():
+    return True
+
+
+def opened(shown, address, fragment="#v=1&table=classic"):
+    shown.go(address.replace("index.html", "") + "table.html" + fragment)
     shown.until("() => Boolean(window.pinball && pinball.game() && pinball.exits())")
     return shown.page
 
@@ -84,7 +88,6 @@ def test_a_game_by_keys_is_the_same_in_python_and_from_its_link(shown, address):
     link = page.evaluate("() => navigator.clipboard.readText()")
     page.goto("about:blank")
     page.goto(link)
-    page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game()?.t > 0")
     hold(page)
     play(page, 60.0, 0.05)  # other frames than before: the same game
@@ -109,7 +112,6 @@ def test_a_game_with_nudges_is_the_same_in_python_and_from_its_link(shown, addre
     link = page.evaluate("() => navigator.clipboard.readText()")
     page.goto("about:blank")
     page.goto(link)
-    page.evaluate(COARSE)
     shown.until("() => window.pinball && pinball.game()?.t > 0")
     hold(page)
     play(page, 60.0, 0.05)  # other frames than before: the same game
@@ -141,6 +143,7 @@ def test_a_nudge_moves_the_balls_in_the_air_and_too_many_tilt(shown, address):
     assert not page.evaluate(f"() => {GAME}.tilted")
 
 
+@LOADED
 def test_a_ball_that_has_hit_nothing_yet_is_in_its_link_and_a_link_says_who_opens_it(shown, address):
     page = opened(shown, address)
     launch(page, [2.55, 5.6, -1.0, 2.4])
@@ -262,7 +265,7 @@ def test_near_balls_part_and_their_rate_is_told(shown, address):
 
 def test_a_pixel_of_the_exits_is_a_ball_that_leaves_there(shown, address):
     page = opened(shown, address)
-    shown.until("() => pinball.exits().side >= 40")
+    shown.until(FOUND)
     box = page.locator("#exits").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
     shown.until(f"() => {GAME}.alive")
@@ -275,7 +278,7 @@ def test_a_pixel_of_the_exits_is_a_ball_that_leaves_there(shown, address):
 
 def test_keys_of_the_table_work_from_the_picture_of_exits_and_from_a_slider(shown, address):
     page = opened(shown, address)
-    shown.until("() => pinball.exits().side >= 40")
+    shown.until(FOUND)
     box = page.locator("#exits").bounding_box()
     page.mouse.click(box["x"] + 0.6 * box["width"], box["y"] + 0.5 * box["height"])
     hold(page)
@@ -299,7 +302,7 @@ def test_keys_of_the_table_work_from_the_picture_of_exits_and_from_a_slider(show
 
 def test_nothing_of_one_table_is_left_on_another(shown, address):
     page = opened(shown, address, "#v=1&table=three_discs")
-    shown.until("() => pinball.exits().side >= 40")
+    shown.until(FOUND)
     chosen = f"""(name) => {{
       [...document.querySelectorAll("#rungs button")].find((each) => each.textContent === name).click();
       const {{ axes }} = pinball.exits(), {{ x, y, w, h }} = axes.box;
@@ -317,7 +320,7 @@ def test_nothing_of_one_table_is_left_on_another(shown, address):
 
 def test_shares_of_exits_are_those_of_python(shown, address):
     page = opened(shown, address)
-    shown.until("() => pinball.exits().side >= 40")
+    shown.until(FOUND)
     x, y, _ = page.evaluate(f"() => {GAME}.table.from")
     side = page.evaluate("() => pinball.exits().side")
     shares = page.evaluate("() => [...pinball.exits().shares]")
@@ -329,9 +332,10 @@ def test_shares_of_exits_are_those_of_python(shown, address):
     np.testing.assert_allclose(shares[:-1], truth, atol=3e-3)  # what doubles cannot decide, Python decides exactly
 
 
+@LOADED
 def test_a_share_that_is_not_nothing_is_not_told_as_nothing(shown, address):
     page = opened(shown, address)
-    shown.until("() => pinball.exits().shares")
+    shown.until(FOUND)
     few = (
         "() => { const e = pinball.exits(); e.shares = [0.9997, 3e-4, ...e.names.slice(2).map(() => 0)]; e.counted(); }"
     )
@@ -354,7 +358,7 @@ GRAIN = """() => {
 @pytest.mark.parametrize("table", ["classic", "galton", "three_discs", "one_bumper"])
 def test_exits_are_seen_to_part_and_are_zoomed(shown, address, table):
     page = opened(shown, address, f"#v=1&table={table}")
-    shown.until("() => pinball.exits().side >= 40")
+    shown.until(FOUND)
     assert page.evaluate(GRAIN) > 1  # of three discs it was one grey rectangle
     shares = page.evaluate("() => [...pinball.exits().shares]")
     assert sum(shares) == pytest.approx(1.0)
@@ -379,7 +383,7 @@ def test_exits_are_seen_to_part_and_are_zoomed(shown, address, table):
 def test_pictures_are_as_before_when_the_room_has_gone(shown, address):
     page = opened(shown, address)
     page.set_viewport_size({"width": 1280, "height": 720})
-    shown.until("() => pinball.exits().side >= 40")
+    shown.until(FOUND)
     size = "() => ['spread', 'exits'].map((id) => document.getElementById(id).clientHeight)"
     before = page.evaluate(size)
     page.click("#present")
@@ -426,8 +430,10 @@ def test_every_table_plays(shown, address, name):
     assert page.locator("[data-press]:visible").count() == 0  # they have no flippers
 
 
+@LOADED
+@pytest.mark.parametrize("motion", ["no-preference"])
 def test_a_ball_that_nobody_launched_is_said_to_show_the_table(shown, address):
-    page = opened(shown, address, fragment="", still=False)
+    page = opened(shown, address, fragment="")
     shown.until("() => document.getElementById('said').textContent.startsWith('A ball to show the table')")
     page.keyboard.press(" ")
     shown.until("() => !document.getElementById('said').textContent.includes('show the table')")
@@ -490,6 +496,7 @@ def test_a_link_with_a_ball_that_hits_too_often_does_not_keep_the_page(shown, ad
     assert page.evaluate(f"() => {GAME}.hits.length") < 100_100
 
 
+@LOADED
 def test_what_cannot_be_loaded_is_said(shown, address):
     shown.page.route("**/tables.json", lambda route: route.abort())
     shown.page.goto(address.replace("index.html", "") + "table.html")
@@ -500,16 +507,12 @@ def test_what_cannot_be_loaded_is_said(shown, address):
 @pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1280])
-def test_axe_reports_no_violation(browser, address, scheme, width):
-    context = browser.new_context(
-        color_scheme=scheme, bypass_csp=True, viewport={"width": width, "height": 800}, reduced_motion="reduce"
-    )
-    page = context.new_page()
-    page.goto(address.replace("index.html", "") + "table.html#table=nothing")  # with a message
-    page.evaluate(COARSE)
-    page.wait_for_function("() => window.pinball && pinball.game() && pinball.exits()?.side >= 40")
-    page.evaluate("() => { pinball.plunge(0.7); pinball.split(); pinball.step(2); pinball.pause(); }")
-    page.evaluate(AXE.read_text(encoding="utf-8"))
-    found = page.evaluate("() => axe.run()")["violations"]
-    context.close()
-    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+def test_axe_reports_no_violation(pages, address, scheme, width):
+    size = {"width": width, "height": 800}
+    with pages(True, viewport=size, color_scheme=scheme, reduced_motion="reduce") as shown:
+        page = opened(shown, address, "#table=nothing")  # with a message
+        shown.until(FOUND)
+        page.evaluate("() => { pinball.plunge(0.7); pinball.split(); pinball.step(2); pinball.pause(); }")
+        page.evaluate(AXE.read_text(encoding="utf-8"))
+        found = page.evaluate("() => axe.run()")["violations"]
+        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []

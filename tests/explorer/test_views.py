@@ -41,11 +41,6 @@ FLYING = pytest.mark.parametrize("motion", ["no-preference"])
 
 
 @pytest.fixture
-def motion():
-    return "reduce"
-
-
-@pytest.fixture
 def kept():
     return True
 

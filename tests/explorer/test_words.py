@@ -39,6 +39,7 @@ def said(page):
 # ---- an answer while it computes
 
 
+@pytest.mark.parametrize("motion", ["no-preference"])
 @pytest.mark.parametrize(
     "fragment",
     [
