@@ -1,11 +1,14 @@
 """An interrupt waits where it would leave something half done, and is lost nowhere."""
 
 import signal
+import subprocess
+import sys
 import threading
+from pathlib import Path
 
 import pytest
 
-from grazing import late
+from grazing import interrupt, late
 from grazing.interrupt import held_back
 from tests.processes import python
 
@@ -53,6 +56,31 @@ def test_another_thread_holds_nothing_back():
     thread.start()
     thread.join()
     assert ended == [signal.getsignal(signal.SIGINT)]
+
+
+#: Where Python is a part of a program another thread may import threading first, which takes it for the main one.
+ANOTHER = """
+import _thread, sys, time
+path, ended = sys.argv[1:], []
+def work():
+    try:
+        sys.path[:0] = path
+        from grazing.interrupt import held_back
+        with held_back():
+            print("done", flush=True)
+    finally:
+        ended.append(True)
+assert "threading" not in sys.modules
+_thread.start_new_thread(work, ())
+while not ended:
+    time.sleep(0.01)
+"""
+
+
+def test_a_thread_that_is_taken_for_the_main_one_holds_nothing_back():
+    command = [sys.executable, "-I", "-S", "-c", ANOTHER, Path(interrupt.__file__).parents[1]]
+    ended = subprocess.run(command, capture_output=True, text=True, check=False)
+    assert ended.stdout == "done\n", ended.stderr
 
 
 @MAIN

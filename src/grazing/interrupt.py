@@ -41,17 +41,16 @@ def held_back() -> Iterator[None]:
     def note(*what: Any) -> None:
         came.append(what)
 
-    # no interrupt comes into another thread, and none of what is no function of Python's leaves anything half done
-    if not callable(before) or threading.current_thread() is not threading.main_thread():
-        yield
-        return
-    signal.signal(signal.SIGINT, note)
+    # none of what is no function of Python's leaves anything half done
+    if callable(before):
+        with suppress(ValueError):  # no interrupt comes into another thread; threading can be wrong on which it is
+            signal.signal(signal.SIGINT, note)
     try:
         yield
     finally:
         if signal.getsignal(signal.SIGINT) is note:
             signal.signal(signal.SIGINT, before)
-        if came:
+        if came and callable(before):
             before(*came[0])
 
 
