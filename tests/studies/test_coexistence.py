@@ -55,6 +55,14 @@ def test_shares_are_those_of_the_orbit_diagram(kind):
     assert first == sorted(first)  # in the order of appearance
 
 
+def test_attractors_of_one_word_and_period_are_one_row_and_it_says_so():
+    found = coexistence(DOUBLE_WELL, "a", [1.2, 1.5], **SMALL)
+    assert (found.word.values.tolist(), found.period.values.tolist()) == (["0"], [1])
+    assert (found.share.values == 1.0).all() and found.sizes["change"] == 0
+    assert gz.basins(DOUBLE_WELL).fraction.values.tolist() == [0.5, 0.5]
+    assert "same word and period are one" in coexistence.__doc__
+
+
 def lifetime_of(P, start, period, steps, keep):
     """How many steps an orbit had made when it was last away from the cycle that its last points are."""
     if period < 1:

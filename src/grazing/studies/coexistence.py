@@ -70,7 +70,9 @@ def coexistence(
     -------
     xarray.Dataset
         Tables on the dimension "attractor", in the order of first appearance: ``period`` (0 undecided, -1 aperiodic as
-        far as seen, -2 ended) and ``word``. On (name, "attractor"): ``share`` of the starts, and ``lifetime``, the
+        far as seen, -2 ended) and ``word``. Attractors of the same word and period are one row, such as the two wells
+        of a cubic map: shares are those of all, and of changes the first that comes and the last that goes are listed;
+        :func:`grazing.basins` tells them apart. On (name, "attractor"): ``share`` of the starts, and ``lifetime``, the
         mean number of steps after which an orbit was last away from its cycle, by more than 1e-6 of the greatest
         coordinate of its start or cycle, in units of the map's box; not a number where there is none. On (name,
         "start"): ``reached``, the row of the table, ``steps``, its lifetime (-1 for none), ``outcome`` and ``trust`` as
