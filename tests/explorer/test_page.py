@@ -370,6 +370,27 @@ def test_copy_buttons_give_what_is_on_screen(shown, address):
     compile(texts["python"], "copied", "exec")
 
 
+@LOADED
+def test_a_range_is_copied_and_shown_once_it_is_that_of_the_picture(shown, address):
+    shown.open(f"{address}#version=2&view=oscillator&columns=20&bins=20")
+    shown.page.evaluate("""() => {
+      const {pool} = explorer.views.oscillator.diagram, never = new Promise(() => {});
+      pool.batch = () => ({live: () => true, run: () => never});
+      location.hash = "#version=2&view=oscillator&columns=20&bins=20&coordinate=v";
+    }""")
+    shown.until("() => explorer.views.oscillator.diagram.stage === 'computing'")
+    for kind in ("python", "command"):
+        shown.page.click(f"[data-copy={kind}]")
+        assert shown.page.inner_text("#said") == "the picture is not there yet"
+
+
+@pytest.mark.parametrize("columns", [2, 20])
+def test_a_diagram_of_few_columns_is_as_high_as_its_orbits(shown, address, columns):
+    shown.open(f"{address}#version=2&view=oscillator&bins=20&two=yes&sigma_B=0.3&columns={columns}")
+    _found, counts = shown.raster("oscillator")
+    assert counts[:, [0, -2]].sum() < 0.05 * counts.sum()
+
+
 def test_a_picture_is_saved(shown, address, tmp_path):
     from PIL import Image
 

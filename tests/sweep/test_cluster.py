@@ -191,3 +191,10 @@ def test_ctrl_c_which_all_processes_of_a_terminal_get_is_said_once(tmp_path):
     command = [sys.executable, "-c", INTERRUPTED, tmp_path / "a.zarr"]
     ended = subprocess.run(command, capture_output=True, text=True, start_new_session=True, timeout=600)
     assert ended.stdout == "interrupted\n" and "KeyboardInterrupt" not in ended.stderr
+
+
+def test_a_cluster_of_workers_in_this_process_leaves_it_its_interrupts():
+    distributed, before = pytest.importorskip("distributed"), signal.getsignal(signal.SIGINT)
+    with sweep.cluster("local", 1, threads_per_worker=1, worker_class=distributed.Worker) as executor:
+        assert executor.submit(abs, -3).result(timeout=60) == 3
+        assert signal.getsignal(signal.SIGINT) is before

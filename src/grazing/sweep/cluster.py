@@ -89,7 +89,7 @@ def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
     """
     if kind == "local":
         ours: dict[str, Any] = {"dashboard_address": None}
-        if options.get("processes", True):
+        if options.get("processes", "worker_class" not in options):  # a class may work in this process
             ours["preload"] = UNINTERRUPTED
         here = _made(_imported("distributed").LocalCluster, n_workers=workers, **ours | options)
         here.adapt(minimum=len(here.worker_spec), maximum=len(here.worker_spec))

@@ -157,6 +157,6 @@ export class Beside {
   }
 
   raster() {
-    return this.diagram.range;
+    return this.diagram.spec;
   }
 }

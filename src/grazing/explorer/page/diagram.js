@@ -149,12 +149,6 @@ export class Diagram {
     return this.#shown?.codes ?? new Uint8Array(0);
   }
 
-  /** The range of what was asked for; until that is known, of what is on screen. */
-  get range() {
-    const { low, high } = Number.isNaN(this.spec.low) ? (this.drawn ?? this.spec) : this.spec;
-    return { low, high };
-  }
-
   get ambiguous() {
     return this.#shown?.ambiguous ?? 0;
   }
@@ -208,19 +202,18 @@ export class Diagram {
     const { values, columns } = made, { quick } = spec;
     const firsts = values.filter((_, q) => q % quick.stride === 0);
     const put = (/** @type {number} */ from, /** @type {Int32Array} */ counts) => made.put(from * quick.stride, counts, quick.starts * quick.keep, quick.stride);
-    const asks = Number.isNaN(spec.low), job = (/** @type {Floats} */ some) => ({ ...this.#job(spec, some), ...quick });
+    const asks = Number.isNaN(spec.low), name = asks ? "points" : "raster", job = (/** @type {Floats} */ some) => ({ ...this.#job(spec, some), ...quick });
     /** @type {({from: number} & ReturnType<typeof import("./jobs.js").points>)[]} */
     const found = [];
+    const take = (/** @type {number} */ from, /** @type {any} */ got) => (asks ? found.push({ from, ...got }) : put(from, got.counts));
     const work = firsts.length * quick.starts * (quick.transient + quick.keep) * spec.cost;
     if (batch.now && work <= AT_ONCE && this.#took < SOON) {
-      if (asks) found.push({ from: 0, ...batch.now(spec.machine, "points", job(firsts)) });
-      else put(0, batch.now(spec.machine, "raster", job(firsts)).counts);
+      take(0, batch.now(spec.machine, name, job(firsts)));
       this.#took += (performance.now() - begun - this.#took) / 4;
     } else {
       this.#took *= 0.9;
       await this.#inParts(firsts, Math.ceil(firsts.length / this.pool.workers.length), async (some, from) => {
-        if (asks) found.push({ from, ...(await batch.run(spec.machine, "points", job(some))) });
-        else put(from, (await batch.run(spec.machine, "raster", job(some))).counts);
+        take(from, await batch.run(spec.machine, name, job(some)));
       });
     }
     if (asks) [spec.low, spec.high] = extent(found);
@@ -346,7 +339,7 @@ export class Diagram {
   #draw(c) {
     if (!this.#shown) return;
     const { axes } = this, { spec } = this.#shown, wanted = this.#follows(spec) ? this.spec : spec;
-    const { low, high } = wanted === spec ? spec : this.range;
+    const { low, high } = Number.isNaN(wanted.low) ? spec : wanted;
     const { x0, x1, y0, y1 } = this.events.on?.() ?? { x0: wanted.span[0], x1: wanted.span[1], y0: low, y1: high };
     axes.span(x0, x1, y0, y1);
     this.events.under?.(axes, c);

@@ -17,7 +17,7 @@ import { crossings, still } from "./walls.js";
 /** @typedef {import("./plot.js").Axes} Axes */
 /** @typedef {import("./svg.js").Pen} Pen */
 
-/** A period of the forcing longer than this is long: few orbits say how high the diagram is. */
+/** A period of the forcing longer than this is long: the ball's view has no diagram. */
 const SLOW = 60;
 /** Where walls are hit more often in a period than this, the first picture is of fewer orbits, and of a handful. */
 const OFTEN = 4, ENDLESSLY = 80;
@@ -64,7 +64,7 @@ export function planned(machine, state, tolerance, { machine: name, starts, tran
   const key = JSON.stringify({ ...common, others, which, coordinate, window: state.window, bins: state.bins });
   const [low, high] = state.window ?? [NaN, NaN], symbol = plainSymbol(machine.described.fields[which]);
   /** @type {import("./diagram.js").Spec} */
-  const spec = { ...common, machine: name, row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost, quick };
+  const spec = { ...common, machine: name, row, which, coordinate, low, high, bins: state.bins, labels: [symbol, state.coordinate], cost, quick: { ...quick, stride: Math.ceil(quick.stride * Math.min(1, state.columns / 400)) } };
   return { row, which, common, key, spec };
 }
 
@@ -217,7 +217,7 @@ export class FlowView {
   }
 
   raster() {
-    return this.diagram.range;
+    return this.diagram.spec;
   }
 
   summary() {

@@ -162,10 +162,7 @@ export function points(machine, { row, which, values, coordinate, starts, transi
 /** Where points are, and a little more. @param {ReturnType<typeof points>[]} found @returns {[number, number]} */
 export function extent(found) {
   let low = Infinity, high = -Infinity;
-  for (const x of found.flatMap(({ seen }) => [...seen]).filter(Number.isFinite)) {
-    low = Math.min(low, x);
-    high = Math.max(high, x);
-  }
+  for (const { seen } of found) for (const x of seen.filter(Number.isFinite)) [low, high] = [Math.min(low, x), Math.max(high, x)];
   if (!(low <= high)) [low, high] = found[0].box;
   const room = 0.05 * (high - low) || 1e-3 * (Math.abs(high) || 1);
   return outwards(low - room, high + room);

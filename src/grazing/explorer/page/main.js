@@ -250,7 +250,7 @@ function chipped({ colour, text, exact = "" }) {
 /** Say in words what is shown. */
 function tell() {
   const view = current();
-  if (!view || failed) return;
+  if (!view || failed || waiting) return;
   const made = view.summary();
   const diagram = view.diagram;
   const lead = view.lead?.();
@@ -263,7 +263,7 @@ function tell() {
   }
   spanSliders(diagram);
   const { low, high } = view.raster(), axis = state.view === "gap" ? "range" : ["oscillator", "map"].includes(state.view) ? "window" : null;
-  if (axis && !state[axis] && !Number.isNaN(low)) controls[axis].set([low, high]);
+  if (axis && !state[axis] && !Number.isNaN(low) && !controls[axis].box.contains(document.activeElement)) controls[axis].set([low, high]);
   if (diagram?.stage === "done" && diagram.ended) made.push({ text: `${diagram.ended} of the starts in the diagram ended early.` });
   if (diagram?.stage === "done" && diagram.ambiguous) made.push({ text: `${diagram.ambiguous} starts of the diagram met a decision that double precision cannot make.` });
   $("summary").replaceChildren(

@@ -25,6 +25,7 @@ export async function copy(page, kind) {
   view?.record?.(); // the ball's place goes into the link
   if (!view && kind !== "link") return say("this view needs a module that could not be loaded");
   if (kind !== "link" && !page.drawn()) return say("there is no picture to copy: see the message above");
+  if (kind !== "link" && Number.isNaN(view?.raster().low)) return say("the picture is not there yet");
   page.address();
   const text = kind === "link" || !view ? location.href : (kind === "python" ? python : command)(page.state(), view.raster());
   try {
