@@ -203,6 +203,7 @@ def circles(source: Path) -> list[set[str]]:
     return [one for i, one in enumerate(found) if one not in found[:i]]
 
 
+HEAVY = "from grazing.late import xarray as xr"
 LATE = (
     "it takes a fifth of what a first command waits for, and an interrupt must not cut it short: take it from "
     "grazing.late, where it is called"
@@ -226,9 +227,9 @@ def violations(source: Path) -> list[str]:
         for node in imports(ast.parse(file.read_text(encoding="utf-8"))):
             for target, binds_module in targets(node, package, modules):
                 said = complaint(importer, target, binds_module)
-                if importer != "grazing.late" and (
-                    target == "xarray" or (target.startswith("scipy") and node.col_offset == 0)
-                ):
+                inside = node.col_offset > 0
+                here = target == "xarray" or (target.startswith("scipy") and not inside)
+                if (here and importer != "grazing.late") or (ast.unparse(node) == HEAVY and not inside):
                     said = said or LATE
                 if said:
                     found.append(f"{where}:{node.lineno}: {said}")
@@ -348,6 +349,7 @@ def plant(source, texts):
         ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),
         ("orbits/curves", "from scipy.optimize import brentq", "take it from grazing.late, where it is called"),
         ("orbits/curves", "def f():\n  import xarray as xr", "an interrupt must not cut it short"),
+        ("orbits/curves", "from grazing.late import xarray as xr", "where it is called"),
         ("maps/map", "from grazing.oscillator.model import O", "grazing.maps.map serves every system: ask the origin"),
         ("studies/chart", "def f():\n  from grazing.systems.contract import S", "grazing.studies.chart serves every"),
         ("orbits/resting", "from grazing.oscillator.walled import W", "orbits.resting serves any number of walls: ask"),
@@ -371,7 +373,7 @@ def test_what_is_allowed_is_not_found(tmp_path):
         "theory/gap": "from grazing.outcome import InputError\nfrom .other import f",
         "theory/other": "",
         "maps/zdm": "from grazing.theory.gap import mu_pd\nfrom grazing.maps.base import Map",
-        "maps/base": "from grazing.late import xarray as xr",
+        "maps/base": "def f():\n    from grazing.late import xarray as xr",
         "late": "",
         "studies/__init__": "from .chart import chart\nfrom .labels import label",
         "studies/chart": "from grazing.studies.classify import classify\nfrom . import labels",

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Sequence
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from grazing.compare.branches import Linearised, Local, Point
 from grazing.compare.edges import Window, march, windows_on
 from grazing.compare.orders import LAST, with_orders
-from grazing.late import xarray as xr
 from grazing.maps.normal_form import NormalForm, constants, normal_form
 from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.constants import forcing
@@ -20,6 +19,9 @@ from grazing.oscillator.model import Oscillator
 from grazing.outcome import GrazingError, InputError, OutsideForm, shown
 from grazing.parameter import checked_periods, whole
 from grazing.theory import mu_bc, mu_pd
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -263,6 +265,7 @@ def _dataset(
     span: Any,
 ) -> xr.Dataset:  # fmt: skip
     """Return edges, errors and steps as a labelled table."""
+    from grazing.late import xarray as xr
 
     def field(get: Any, kind: Any) -> NDArray[Any]:
         return np.array([[get(found[rung]) for found in climbed] for rung in rungs], kind)

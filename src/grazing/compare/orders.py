@@ -30,11 +30,15 @@ to the flow.
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.late import xarray as xr
 from grazing.studies.boundary import line_through
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import json
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.late import xarray as xr
 from grazing.maps.discontinuity import discontinuity_map
 from grazing.maps.gap import gap_map
 from grazing.maps.linearised import linearised_map
@@ -19,6 +18,9 @@ from grazing.oscillator.flight import modes
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import OutsideForm
 from grazing.studies.runs import Runs
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 

@@ -5,11 +5,10 @@ from __future__ import annotations
 import json
 import math
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
-from grazing.late import xarray as xr
 from grazing.maps.gap import PARAMETERS
 from grazing.memory import refuse_too_large
 from grazing.orbits.word import letters_of, primitive, word
@@ -17,6 +16,9 @@ from grazing.outcome import InputError, shown
 from grazing.parameter import in_order, real, whole
 from grazing.theory import WordWindow
 from grazing.theory.changes import both_windows
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Bytes of a word beside its letters, and a depth whose size fits no machine.
 NODE, DEEP = 1000, 100
@@ -91,6 +93,8 @@ def adding_tree(
     >>> list(zip(tree["word"].values.tolist(), tree["status"].values.tolist()))
     [('L', 'stable'), ('LLR', 'stable'), ('LR', 'stable'), ('LRR', 'virtual'), ('R', 'stable')]
     """
+    from grazing.late import xarray as xr
+
     lam, l = real(lam, "lam", "allowed is any finite number"), real(l, "l", "allowed is any finite number")
     levels = whole(depth, "depth", 1)
     # a word is as long as its two neighbours together, so that the letters of all levels are 3 times those before

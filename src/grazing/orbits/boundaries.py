@@ -11,13 +11,12 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable
 from itertools import pairwise
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing import late
-from grazing.late import xarray as xr
 from grazing.maps.map import Map
 from grazing.maps.normal_form import steady_minimum
 from grazing.orbits.gap_boundaries import GAP, GAP_KINDS, Curve, Range, check_sides, gap_curves
@@ -25,6 +24,9 @@ from grazing.orbits.windows import EDGES, windows
 from grazing.oscillator.model import Oscillator
 from grazing.outcome import InputError, OutsideForm, shown
 from grazing.parameter import Parameter, checked_periods, in_order, refuse_ends
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -303,6 +305,8 @@ def _dataset(
     curves: list[Curve],
 ) -> xr.Dataset:
     """Return the curves as a labelled table, filled up with NaN."""
+    from grazing.late import xarray as xr
+
     longest = max((len(curve.points) for curve in curves), default=0)
     variables: dict[str, Any] = {}
     for column, side in enumerate(sides):

@@ -8,17 +8,19 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.late import xarray as xr
 from grazing.memory import refuse_too_large
 from grazing.orbits.touches import MAX_IMPACTS, PATIENCE, SPACING, TOLERANCE, Ruler, ordered, pieces, proven, refined
 from grazing.oscillator.model import Oscillator, checked_model, checked_phase
 from grazing.oscillator.trajectory import refuse_swings
 from grazing.parameter import checked_box, whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Bytes that a contact time takes while its curve is refined.
 CONTACT = 200
@@ -129,6 +131,8 @@ def grazing_curve(
     >>> P((u - 1e-9, v))[1], P((u + 1e-9, v))[1]
     (1, 0)
     """
+    from grazing.late import xarray as xr
+
     args = _checked(model, phase, preimages, points, box)
     state, order, times, cut_short = drawn(*args)
     model, phase, preimages, points, box = args

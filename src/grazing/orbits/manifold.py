@@ -5,12 +5,11 @@ from __future__ import annotations
 import json
 import math
 from collections.abc import Callable
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.late import xarray as xr
 from grazing.maps.hits import Alphabet
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.manifold_growth import FIRST, Image, Piece, Ruler, along, image_of
@@ -19,6 +18,9 @@ from grazing.orbits.manifold_steps import Backwards, Forwards, Leaves, Ray, Solv
 from grazing.orbits.orbit import Orbit
 from grazing.outcome import InputError
 from grazing.parameter import checked_box, real, whole
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -273,6 +275,8 @@ def _word(letters: NDArray[np.int32], P: Map) -> str:
 
 def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: dict[str, Any]) -> xr.Dataset:
     """Return the pieces as a labelled table."""
+    from grazing.late import xarray as xr
+
     orbit, P = saddle.orbit, saddle.orbit.map
     gap = np.full((1, 2), np.nan)
     rows, seeds, piece = [np.empty((0, 2))], [np.empty(0)], [np.empty(0, np.int64)]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Iterable
 from functools import lru_cache
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,7 +17,6 @@ from numpy.typing import NDArray
 from grazing import late
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import unpacker
-from grazing.late import xarray as xr
 from grazing.orbits.closure import TESTS, Closing, closing, impact_state, impact_velocities
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.rounding import noise
@@ -28,6 +27,9 @@ from grazing.oscillator.constants import constants_of
 from grazing.oscillator.flight import anchored, flight
 from grazing.oscillator.model import Oscillator, checked_model
 from grazing.oscillator.windows import series
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -293,6 +295,8 @@ def _dataset(
     model: Oscillator, name: str, table: xr.Dataset, names: list[str], derivative: Floats, error: Floats
 ) -> xr.Dataset:
     """Return the derivatives as a labelled table."""
+    from grazing.late import xarray as xr
+
     about = {"long_name": f"derivative of the edge in {name}"}
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in EDGES.items())
     dims = ("window", "edge", "parameter")

@@ -6,13 +6,12 @@ import json
 from collections.abc import Iterable, Sequence
 from itertools import pairwise
 from math import inf
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from grazing import late
-from grazing.late import xarray as xr
 from grazing.memory import refuse_too_large
 from grazing.orbits.closure import TESTS, TWO_PI
 from grazing.orbits.curves import Curve, Edge, curves, wrapped
@@ -26,6 +25,9 @@ from grazing.oscillator.trajectory import refuse_swings
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, checked_periods, refuse_ends, unknown, value_of, whole
 from grazing.pool import Progress, checked_progress
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: What ends a window, in words.
 EDGES = {
@@ -367,6 +369,8 @@ def _dataset(
     found: list[Row],
 ) -> xr.Dataset:
     """Return the windows as a labelled table."""
+    from grazing.late import xarray as xr
+
     about = model.describe(name).attributes
     words = "; ".join(f"{kind}: {meaning}" for kind, meaning in EDGES.items())
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.axes import Axes
 
-from grazing.late import xarray as xr
 from grazing.outcome import InputError
 from grazing.plot.branch import branch, shade_of, special_entries
 from grazing.plot.classes import blended, legend_extended, patch
@@ -19,6 +18,9 @@ from grazing.plot.raster import axes_along
 from grazing.plot.spread import spread
 from grazing.plot.style import DOUBLE, INK, root, styled
 from grazing.plot.words import words_in
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Opacity of scanned points and of shaded windows.
 FAINT, SHADE = 0.35, 0.10
@@ -66,6 +68,8 @@ def bifurcation_diagram(
     InputError
         For anything else.
     """
+    from grazing.late import xarray as xr
+
     if not isinstance(result, xr.Dataset) or "branch_piece" not in result:
         raise InputError(
             f"no bifurcation diagram can be drawn from this {type(result).__name__}; "

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from itertools import pairwise
 from textwrap import fill
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +13,6 @@ from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
 from grazing.compare.word_branches import loci_of
-from grazing.late import xarray as xr
 from grazing.outcome import InputError, shown
 from grazing.plot.classes import legend_extended, patch, written
 from grazing.plot.drawn import inline
@@ -22,6 +21,9 @@ from grazing.plot.locus import locus
 from grazing.plot.spread import MARKER, spread
 from grazing.plot.style import INK, axes, panels, period_colour, root, styled, symbol
 from grazing.plot.words import OTHERS, with_words, words_in
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Dashes by kind of orbit.
 DASHES: dict[str, Any] = {"stable": "-", "unstable": (0, (4.0, 2.0)), "virtual": (0, (1.0, 1.6))}
@@ -129,6 +131,8 @@ def whole(result: xr.Dataset, **style: Any) -> dict[str, Any]:
 
 def table_of(one: Any) -> xr.Dataset:
     """Return the table of a branch, or refuse what is none."""
+    from grazing.late import xarray as xr
+
     table = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
     if not isinstance(table, xr.Dataset) or not {"piece", "stable", "admissible", "special_value"} <= set(
         table.variables

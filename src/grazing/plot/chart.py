@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -13,7 +13,6 @@ from matplotlib.patches import Patch
 from matplotlib.ticker import FuncFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from grazing.late import xarray as xr
 from grazing.plot.classes import UNUSED, legend_beside, patch, patches_of, tell_ends
 from grazing.plot.curves import curves_of, lay_curves
 from grazing.plot.drawn import inline
@@ -23,6 +22,9 @@ from grazing.plot.raster import axes_along, edges_of, name_single, ordered, rast
 from grazing.plot.stripes import striped
 from grazing.plot.style import ENDED, INK, period_colour, root, styled, symbol
 from grazing.plot.words import OTHERS, worded, words_in
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator, Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -12,11 +12,13 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from grazing.compare.word_branches import loci_of
-from grazing.late import xarray as xr
 from grazing.oscillator.parameters import describe_parameter
 from grazing.outcome import InputError
 from grazing.plot.style import INK, drawable
 from grazing.units import in_units
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 
@@ -30,6 +32,8 @@ def curves_of(given: Any, result: xr.Dataset, first: str, second: str) -> tuple[
     Also the words of those that are of orbits, by the same names. Edges of one name are one line in pieces. Curves in
     other units are converted to those of the result.
     """
+    from grazing.late import xarray as xr
+
     if given is None or (isinstance(given, Mapping) and not isinstance(given, xr.Dataset)):
         return given or {}, {}
     several = given if isinstance(given, (list, tuple)) else [given]
@@ -44,6 +48,8 @@ def curves_of(given: Any, result: xr.Dataset, first: str, second: str) -> tuple[
 
 def _lines(one: Any, result: xr.Dataset, first: str, second: str) -> Iterator[tuple[str, str, Floats, Floats]]:
     """Yield the lines of boundaries, of a locus or of a branch, each with its name and its word."""
+    from grazing.late import xarray as xr
+
     found = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
     wanted = (
         f"gz.boundaries(P, ({first!r}, low, high), ({second!r}, low, high)), a gz.locus in {first} and {second}, "

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from grazing.late import xarray as xr
 from grazing.measured import of_table
 from grazing.outcome import InputError, listed, shown
 
@@ -38,6 +37,8 @@ def expect(
     InputError
         For anything else.
     """
+    from grazing.late import xarray as xr
+
     drawn = f"plot.{study if figure is None else figure}"
     layout = ", ".join(f"{name} on ({', '.join(dims)})" for name, dims in variables.items())
     needed = f"allowed is the xarray.Dataset that grazing.{study} returns, with {layout}"

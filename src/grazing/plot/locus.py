@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from grazing.late import xarray as xr
 from grazing.outcome import InputError
 from grazing.plot.drawn import inline
 from grazing.plot.spread import spread
 from grazing.plot.style import GRAZE, INK, axes, root, styled, symbol
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Colours of the types of special points, each with dashes of its own so that print in grey keeps them apart.
 LINES: dict[str, tuple[str, Any]] = {
@@ -95,6 +97,8 @@ def near(a: tuple[float, float], b: tuple[float, float], table: xr.Dataset) -> b
 
 def table_of(one: Any) -> xr.Dataset:
     """Return the table of a locus, or refuse what is none."""
+    from grazing.late import xarray as xr
+
     table = one if isinstance(one, xr.Dataset) else getattr(one, "dataset", None)
     if not isinstance(table, xr.Dataset) or "meeting_type" not in table:
         raise InputError(f"no locus can be drawn from this {type(one).__name__}; give what gz.locus returns")

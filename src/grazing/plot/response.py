@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 
-from grazing.late import xarray as xr
 from grazing.plot.bifurcation_diagram import branch_part
 from grazing.plot.branch import DASHES, branch, kinds, special_entries
 from grazing.plot.classes import blended, legend_beside, patch
@@ -18,6 +17,9 @@ from grazing.plot.provenance import provenance_of
 from grazing.plot.raster import axes_along, edges_of, ordered
 from grazing.plot.spread import spread
 from grazing.plot.style import CHAOS, DOUBLE, GRAZE, INK, quantity, root, styled, symbol
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 #: Marks of the sweeps; random starts are dots.
 RUNS = {"up": "^", "down": "v"}

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from numpy.typing import NDArray
 
-from grazing.late import xarray as xr
 from grazing.measured import of_table, sign_of
 from grazing.outcome import InputError, shown
 from grazing.plot.curves import in_units_of
@@ -17,6 +16,9 @@ from grazing.plot.drawn import inline
 from grazing.plot.expected import expect
 from grazing.plot.style import GRAZE, INK, WALL, axes, quantity, root, styled
 from grazing.plot.table import table
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 Floats = NDArray[np.float64]
 #: What a ball at rest moves less than, in shares of its place: rounding.
@@ -86,6 +88,8 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
 
 def _states(given: Any) -> xr.Dataset:
     """Return states (u, v) of a model in its own units, or raise InputError."""
+    from grazing.late import xarray as xr
+
     try:
         points = np.atleast_2d(np.asarray(given, np.float64))
     except (TypeError, ValueError):

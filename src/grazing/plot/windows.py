@@ -10,7 +10,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 from matplotlib.transforms import Affine2D, ScaledTranslation, Transform, blended_transform_factory
 
-from grazing.late import xarray as xr
 from grazing.outcome import InputError
 from grazing.plot.drawn import inline
 from grazing.plot.style import DOUBLE, axes, ink_on, note, period_colour, root, styled, unit_of
@@ -128,6 +127,8 @@ def alone(edges: Any) -> Axes:
 
 def rows_of(edges: Any) -> list[tuple[int, float, float]]:
     """Return (N, low, high) of all windows, those of one N by width, or refuse what has another shape."""
+    from grazing.late import xarray as xr
+
     try:
         if isinstance(edges, xr.Dataset):
             columns = [np.atleast_1d(edges[name].values).tolist() for name in ("N", "low", "high")]
@@ -145,6 +146,8 @@ def rows_of(edges: Any) -> list[tuple[int, float, float]]:
 
 def words_of(edges: Any) -> list[str]:
     """Return the walls that the orbits of windows hit, in the order of :func:`rows_of`; nothing over one wall."""
+    from grazing.late import xarray as xr
+
     rows = rows_of(edges)
     if not isinstance(edges, xr.Dataset) or "word" not in edges:
         return [""] * len(rows)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 from functools import lru_cache, partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -20,9 +20,6 @@ from grazing.studies.classify import APERIODIC, CERTIFIED, ENDED, UNDECIDED, Set
 from grazing.studies.growth import grower, sides_of
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
-
-if TYPE_CHECKING:
-    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -6,7 +6,7 @@ import warnings
 from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
 from math import floor
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -19,9 +19,6 @@ from grazing.parameter import checked_name, in_order, real, whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
-
-if TYPE_CHECKING:
-    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

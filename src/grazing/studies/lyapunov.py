@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -21,9 +21,6 @@ from grazing.studies.classify import AMBIGUOUS_TRUST, ENDED, settled_columns
 from grazing.studies.growth import SMALL, sides_of, stretcher, turned
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
-
-if TYPE_CHECKING:
-    pass
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
