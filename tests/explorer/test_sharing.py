@@ -76,9 +76,10 @@ def test_the_paper_is_its_ball_whole_in_this_tab_and_in_another(shown, hosted):
     opened.value.wait_for_function(whole)
     opened.value.close()
     shown.page.click("nav a")
+    shown.page.wait_for_function("() => window.pinball && pinball.game()")
     shown.page.click("#rungs >> text=One bumper")
     shown.page.click("#paper")
-    shown.until(whole)
+    shown.page.wait_for_function(whole)
 
 
 def test_a_folder_that_is_opened_from_the_disk_says_what_to_do(browser, tmp_path):
