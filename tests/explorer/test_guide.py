@@ -174,7 +174,7 @@ def test_every_question_is_answered_by_a_picture(shown, address, tour):
         assert ends and max(ends) <= 800, (step["title"], ends)  # nobody scrolls to see the answer
         if n < len(tour):
             shown.page.click("#next")
-    assert shown.page.is_disabled("#next") and shown.page.get_attribute("#guide-link", "href") == "table.html"
+    assert shown.page.is_disabled("#next") and shown.page.get_attribute("#guide-link", "href") == "table.html?tour"
     shown.page.click("#leave")
     shown.until("() => document.getElementById('guide').hidden && !location.hash.includes('tour')")
 

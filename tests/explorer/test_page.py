@@ -52,6 +52,10 @@ def test_modules_import_files_that_are_there():
     assert named and all((PAGE / name).exists() for name in named)
 
 
+def test_a_tab_names_the_cobweb():
+    assert re.search(r'data-view="gap"[^>]* title="[^"]*cobweb"', text_of("index.html"))
+
+
 def test_size():
     sizes = {name: path.stat().st_size for name, path in files().items() if not name.endswith("/")}
     assert sum(sizes.values()) < HEAVIEST, sizes

@@ -67,6 +67,21 @@ def test_the_last_step_of_the_tour_leads_to_the_table(shown, hosted):
     shown.until("() => window.explorer && explorer.state().tour === 11")
 
 
+def test_the_paper_is_its_ball_whole_in_this_tab_and_in_another(shown, hosted):
+    whole = "() => window.explorer && explorer.state().view === 'ball' && explorer.state().V === 0.4"
+    shown.open(f"{hosted}/#version=2&view=gap&lam=0.5&columns=50")
+    with shown.page.context.expect_page() as opened:
+        shown.page.click("nav a", modifiers=["Control"])
+    opened.value.click("#paper")  # nothing lies behind it
+    opened.value.wait_for_function(whole)
+    opened.value.close()
+    shown.page.click("nav a")
+    shown.page.wait_for_function("() => window.pinball && pinball.game()")
+    shown.page.click("#rungs >> text=One bumper")
+    shown.page.click("#paper")
+    shown.page.wait_for_function(whole)
+
+
 def test_a_folder_that_is_opened_from_the_disk_says_what_to_do(browser, tmp_path):
     explore(out=tmp_path)
     page = browser.new_page()

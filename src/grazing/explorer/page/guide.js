@@ -81,7 +81,7 @@ export function guided({ change, present, state }) {
     typeset(byId("guide-title"), `${now.tour} of ${TOUR.length}: ${step.title}`);
     const way = /** @type {HTMLAnchorElement | null} */ (document.querySelector("nav a")); // where the table lies, if this page has one
     byId("guide-link").hidden = !step.link || !way;
-    byId("guide-link").href = way?.getAttribute("href") ?? "";
+    byId("guide-link").href = `${way?.getAttribute("href")}?tour`;
     typeset(byId("guide-link"), step.link ?? "");
     back.disabled = now.tour === 1;
     next.disabled = now.tour === TOUR.length;

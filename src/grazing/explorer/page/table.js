@@ -369,17 +369,14 @@ async function start() {
       if (each !== rung) history.pushState(deep() + 1, "", `#v=1&table=${each.table}`); // Back leads to the table before
       choose(each.table);
     });
-    $("rungs").append(button);
+    $("paper").before(button);
   }
-  const link = document.createElement("a");
-  Object.assign(link, { href: "index.html", textContent: "The paper" });
-  link.addEventListener("click", (event) => {
-    // back to the view that was left, which in a folder for a host lies above this page
-    if (!["index.html", ".", ".."].some((way) => new URL(way, location.href).href === document.referrer)) return;
+  $("paper").addEventListener("click", (event) => {
+    // back to the step of the tour that was left here, unless in another tab
+    if (!location.search || !document.referrer.startsWith(location.origin) || history.length < deep() + 2) return;
     event.preventDefault();
     history.go(-1 - deep());
   });
-  $("rungs").append(link);
   $("problem").lastElementChild.addEventListener("click", () => problem(""));
   try {
     const [{ described, machines, pool }, answer] = await Promise.all([load({ problem: (text) => problem(text), again: () => exits && basins() }, ["table"]), fetch(addressOf("kernels/tables.json"))]);
