@@ -371,7 +371,7 @@ async function start() {
     });
     $("paper").before(button);
   }
-  $("paper").addEventListener("click", (event) => {
+  $("paper").addEventListener("click", (/** @type {Event} */ event) => {
     // back to the step of the tour that was left here, unless in another tab
     if (!location.search || !document.referrer.startsWith(location.origin) || history.length < deep() + 2) return;
     event.preventDefault();
