@@ -1,5 +1,6 @@
 """An interrupt waits where it would leave something half done, and is lost nowhere."""
 
+import os
 import signal
 import subprocess
 import sys
@@ -122,3 +123,32 @@ print(own.orbit((0.3,), 1).points[-1, 0])
 def test_an_interrupt_while_numba_fills_its_tables_leaves_them_whole(at):
     done = python(AT_FIRST, at)
     assert done.stdout.split() == ["stopped", f"{3.2 * 0.3 * 0.7}"], done.stderr[-500:]
+
+
+#: Interrupted between what llvmlite calls and what it notes of that; the process ended with *double free detected*.
+IN_A_CALL = """
+import gc, signal, sys
+import grazing as gz
+from llvmlite.binding import ffi
+name, own = sys.argv[1], gz.Map(lambda x, p: (p.a * x[0] * (1.0 - x[0]),), {"a": 3.2})
+call = getattr(ffi.lib, name)
+def interrupted(*given):
+    ffi.lib._fntab[name] = call
+    result = call(*given)
+    signal.raise_signal(signal.SIGINT)
+    return result
+ffi.lib._fntab[name] = interrupted
+try:
+    own.orbit((0.3,), 5)
+except KeyboardInterrupt:
+    print("stopped")
+gc.collect()
+print(own.orbit((0.3,), 1).points[-1, 0])
+"""
+
+
+@pytest.mark.parametrize("name", ["LLVMPY_DisposeString", "LLVMPY_DisposeModule", "LLVMPY_AddModule"])
+def test_an_interrupt_in_a_call_of_llvm_destroys_nothing_twice(name, tmp_path):
+    done = python(IN_A_CALL, name, env=os.environ | {"GRAZING_CACHE": str(tmp_path)})
+    assert done.stdout.split() == ["stopped", f"{3.2 * 0.3 * 0.7}"], done.stderr[-500:]
+    assert not done.stderr

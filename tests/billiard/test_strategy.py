@@ -159,6 +159,9 @@ def test_launches_are_those_of_trajectories():
             assert found.exit.values[i, j] == flown.exit.item() or found.hits.values[i, j] == 60
             assert found.hits.values[i, j] == min(flown.sizes["impact"], 60)
     assert table(yes) == table(yes) != table(no) and pickle.loads(pickle.dumps(table(yes))) == table(yes)
+    player = gz.strategy(lambda s, p: s[3] < 0.0, {"L": ((0.0, 0.0), (1.0, 0.0))}, hold=0.1)
+    again = pickle.loads(pickle.dumps(player))
+    assert again == player and hash(again) == hash(player)
     assert table(yes).config["strategy"] != table(no).config["strategy"]
 
 

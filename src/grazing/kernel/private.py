@@ -24,6 +24,7 @@ WIDE = {
     "PassManager": "numba.core.compiler_machinery",
     "cgutils": "numba.core",
     "cpu_target": "numba.core.registry",
+    "ffi": "llvmlite.binding",
     "lowering": "numba.core",
     "module": "llvmlite.binding",
     "register_pass": "numba.core.compiler_machinery",

@@ -1,8 +1,9 @@
 """Steps of the compiler that an interrupt must not cut short: it waits, some milliseconds, until they are done.
 
 The linker destroys the module that it takes in, and llvmlite notes so after the call: interrupted in between, the
-module was destroyed a second time, and the process ended. The tables of what numba can compile are filled from streams
-that go on where they last were: what an interrupt kept from its table was missing until the session ended.
+module was destroyed a second time, and the process ended. So it is with all that llvmlite closes, texts among them, and
+with a module that the engine takes over. The tables of what numba can compile are filled from streams that go on where
+they last were: what an interrupt kept from its table was missing until the session ended.
 """
 
 from __future__ import annotations
@@ -11,15 +12,17 @@ from functools import cache
 from typing import Any
 
 from grazing.interrupt import held_back
-from grazing.kernel.private import cpu_target
+from grazing.kernel.private import JITCodeLibrary, cpu_target, ffi
 from grazing.kernel.private import module as modules
 
 
+@held_back()
 @cache
 def uninterrupted() -> None:
     """Take these steps so from now on, in this process."""
     steps: list[tuple[Any, str]] = [
         (modules, "link_modules"), (cpu_target.typing_context, "refresh"), (cpu_target.target_context, "refresh"),
+        (ffi.OutputString, "close"), (ffi.ObjectRef, "close"), (JITCodeLibrary, "_finalize_final_module"),
     ]  # fmt: skip
     for owner, name in steps:
         setattr(owner, name, held_back()(getattr(owner, name)))
