@@ -197,6 +197,7 @@ def from_another(error, cause):
         (from_another(ImportError("no module"), OSError("x.so: failed to map segment")), 1, "out of memory"),
         (from_another(OSError("x.so not found"), ImportError("Cannot allocate memory")), 1, "out of memory"),
         (from_another(ImportError("no module"), ImportError("No module named 'numba'")), 1, "'numba'); install"),
+        (RuntimeError("can't start new thread"), 1, "memory or processes are short; ask for fewer threads"),
         (KeyboardInterrupt(), 130, "stopped: interrupted"),
         (from_another(ImportError("numpy failed to import"), KeyboardInterrupt()), 130, "stopped: interrupted"),
         (from_another(RuntimeError("Error calling __set_name__"), KeyboardInterrupt()), 130, "stopped: interrupted"),

@@ -42,6 +42,8 @@ NARROW, WIDE = 20, 10_000
 LEAST = 10**9
 #: What packages say that find no memory while they are imported: of a library of their own that is not loaded, for one.
 NO_MEMORY = ("Cannot allocate memory", "failed to map segment")
+#: What Python says where the machine, or a limit of the shell's, allows no more threads.
+NO_THREAD = "can't start new thread"
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
 #: Studies whose commands have commands of their own.
@@ -169,6 +171,8 @@ def _guarded(tokens: list[str]) -> int:
             return _interrupted(asked)
         if theirs := _misconfigured(error):
             return _fail(f"the configuration {theirs}; mend or remove it.", FAILED)
+        if str(error) == NO_THREAD:
+            return _fail("no thread can be started: memory or processes are short; ask for fewer threads.", FAILED)
         if streams.closed(sys.stdout):
             return _fail("code of your own, or of a package, closed the standard output; leave that away.", FAILED)
         if theirs := _in_own_code(error):
