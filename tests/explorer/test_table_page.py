@@ -516,3 +516,23 @@ def test_axe_reports_no_violation(pages, address, scheme, width):
         page.evaluate(AXE.read_text(encoding="utf-8"))
         found = page.evaluate("() => axe.run()")["violations"]
         assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+
+
+def test_pictures_are_drawn_anew_where_they_alone_change_in_size(shown, address):
+    """Before a room the page stays as large as the screen: a message of a line less left the exits stretched, and a
+    click in them launched another ball."""
+    page = opened(shown, address)
+    page.click("#present")
+    shown.until(FOUND)
+    drawn = """() => ['spread', 'exits'].map(id => document.getElementById(id))
+      .every(c => c.height === Math.round(c.clientHeight * devicePixelRatio))"""
+    shown.until(drawn)
+    height = "() => document.getElementById('exits').clientHeight"
+    before = page.evaluate(height)
+    page.evaluate("() => { document.getElementById('lead').style.paddingBottom = '40px'; }")
+    try:
+        shown.until(drawn)
+        assert page.evaluate(height) < before
+    finally:
+        page.evaluate("() => { document.getElementById('lead').style.paddingBottom = ''; }")
+        page.click("#end")

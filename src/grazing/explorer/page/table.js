@@ -507,7 +507,8 @@ function listen() {
       $("copied").textContent = text;
     }
   });
-  new ResizeObserver(again).observe(document.body);
+  const sizes = new ResizeObserver(again);
+  for (const each of [document.body, $("spread"), $("exits")]) sizes.observe(each); // before a room they change, and the page does not
   dark.addEventListener("change", again);
 }
 
