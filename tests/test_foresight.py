@@ -227,6 +227,7 @@ ATTACK = (
 import inspect, json, resource, signal, time, warnings
 resource.setrlimit(resource.RLIMIT_AS, (6 << 30, 6 << 30))
 import grazing as gz, grazing.memory
+from grazing.late import optimize, signal as _, xarray  # for what is imported an interrupt waits
 grazing.memory.physical_memory = lambda: 2 << 30
 warnings.simplefilter("ignore")
 %s
@@ -235,10 +236,10 @@ for name, call in CALLS.items():
     for what, item in inspect.signature(getattr(gz, name)).parameters.items():
         if "int" not in str(item.annotation).split(" | ")[0].split("[")[0] or what in ("seed", "threads"):
             continue
-        begin = time.monotonic()
+        begin, function = time.monotonic(), getattr(gz, name)
         signal.setitimer(signal.ITIMER_REAL, 0.5)
         try:
-            getattr(gz, name)(**{**call, what: 10**13})
+            function(**{**call, what: 10**13})
             end = "ended"
         except KeyboardInterrupt:
             end = "stopped"

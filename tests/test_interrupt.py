@@ -16,6 +16,18 @@ from tests.processes import python
 MAIN = pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="needs the main thread")
 
 
+@pytest.fixture(autouse=True)
+def usual():
+    """Ctrl-C as Python has it: packages that other tests import may take it for themselves."""
+    before = signal.getsignal(signal.SIGINT)
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    signal.signal(signal.SIGINT, signal.default_int_handler)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
 @MAIN
 def test_an_interrupt_comes_at_the_end_of_the_block_once():
     reached = []

@@ -59,7 +59,7 @@ def test_a_module_that_the_linker_took_is_not_destroyed_again_after_an_interrupt
         raise KeyboardInterrupt
 
     compiled(lambda x: x)
-    monkeypatch.setattr("grazing.kernel.linking._link", interrupted)
+    monkeypatch.setattr("grazing.kernel.uninterrupted._link", interrupted)
     target, source = binding.parse_assembly(""), binding.parse_assembly("")
     destroyed = []
     monkeypatch.setattr(source, "_dispose", lambda: destroyed.append(source))

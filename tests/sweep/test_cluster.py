@@ -5,11 +5,13 @@ import subprocess
 import sys
 import threading
 from contextlib import suppress
+from importlib.util import find_spec
 
 import pytest
 
 import grazing as gz
 from grazing import sweep
+from grazing.sweep.cluster import _imported
 from tests.sweep.plans import files, plan
 
 
@@ -66,7 +68,11 @@ def test_a_scheduler_that_does_not_answer_changes_no_setting():
 
 def test_a_queue_gets_its_jobs(monkeypatch):
     pytest.importorskip("distributed")
-    jobqueue = pytest.importorskip("dask_jobqueue")
+    if find_spec("dask_jobqueue") is None:
+        pytest.skip("no dask-jobqueue")
+    before = signal.getsignal(signal.SIGINT)
+    jobqueue = _imported("dask_jobqueue")
+    assert signal.getsignal(signal.SIGINT) is before  # Ctrl-C is no sys.exit() from then on
     asked = {}
 
     class Queue:

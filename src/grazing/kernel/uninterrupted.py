@@ -16,13 +16,23 @@ from grazing.kernel.private import JITCodeLibrary, cpu_target, ffi
 from grazing.kernel.private import module as modules
 
 
+def linked(target: Any, source: Any) -> None:
+    """Link a module into another."""
+    source._owned = True  # by the linker: nobody else destroys it, whatever comes as the call ends
+    _link(target, source)
+
+
+_link = modules.link_modules
+
+
 @held_back()
 @cache
 def uninterrupted() -> None:
     """Take these steps so from now on, in this process."""
     steps: list[tuple[Any, str]] = [
-        (modules, "link_modules"), (cpu_target.typing_context, "refresh"), (cpu_target.target_context, "refresh"),
+        (cpu_target.typing_context, "refresh"), (cpu_target.target_context, "refresh"),
         (ffi.OutputString, "close"), (ffi.ObjectRef, "close"), (JITCodeLibrary, "_finalize_final_module"),
     ]  # fmt: skip
+    modules.link_modules = linked
     for owner, name in steps:
         setattr(owner, name, held_back()(getattr(owner, name)))

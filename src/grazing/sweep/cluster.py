@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
 from contextlib import contextmanager
@@ -123,9 +124,13 @@ def _quoted() -> str:
 
 def _imported(name: str) -> Any:
     """Return a package that only clusters need."""
+    ours = signal.getsignal(signal.SIGINT)
     try:
         return import_module(name)
     except ImportError as error:
         raise InputError(
             f"a cluster needs packages that are not installed ({error}); pip install 'grazing[cluster]'"
         ) from error
+    finally:
+        if ours is not None and signal.getsignal(signal.SIGINT) is not ours:  # dask-jobqueue lets Ctrl-C exit
+            signal.signal(signal.SIGINT, ours)
