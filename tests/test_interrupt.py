@@ -42,7 +42,7 @@ def test_an_interrupt_comes_at_the_end_of_the_block_once():
 
 
 @MAIN
-def test_who_handles_interrupts_keeps_them(monkeypatch):
+def test_who_handles_interrupts_keeps_them():
     came = []
     for handler in (lambda *what: came.append(what), signal.SIG_IGN):
         before = signal.signal(signal.SIGINT, handler)

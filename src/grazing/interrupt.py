@@ -34,7 +34,8 @@ def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
 def held_back() -> Iterator[None]:
     """Let an interrupt wait until the block has ended: what it would leave half done stays broken for the session.
 
-    That is so of a package that is imported, and of tables that numba fills. Such a block has to be short.
+    That is so of a package that is imported, of tables that numba fills, and of what llvmlite closes. Such a block has
+    to be short: an import of the largest takes a second or so.
     """
     before, came = signal.getsignal(signal.SIGINT), []
 

@@ -58,7 +58,7 @@ def machines(processor: tuple[str, str, str]) -> list[tuple[str, str, str]]:
     return [processor, *((system, name, said) for name, said in FAMILIES.items() if wanted[name] <= able)]
 
 
-@held_back()
+@held_back()  # the compiler is imported
 def own() -> tuple[str, str, str]:
     """Return the processor that is compiled for as :func:`machines` takes it, of no system.
 
@@ -73,7 +73,7 @@ def own() -> tuple[str, str, str]:
     return "", config.CPU_NAME or binding.get_host_cpu_name(), said
 
 
-@held_back()
+@held_back()  # so is numba
 def told() -> str:
     """Return what the environment tells numba, such as NUMBA_OPT=0, that makes other code; empty for nothing."""
     from numba import config

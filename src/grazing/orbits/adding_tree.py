@@ -93,8 +93,6 @@ def adding_tree(
     >>> list(zip(tree["word"].values.tolist(), tree["status"].values.tolist()))
     [('L', 'stable'), ('LLR', 'stable'), ('LR', 'stable'), ('LRR', 'virtual'), ('R', 'stable')]
     """
-    from grazing.late import xarray as xr
-
     lam, l = real(lam, "lam", "allowed is any finite number"), real(l, "l", "allowed is any finite number")
     levels = whole(depth, "depth", 1)
     # a word is as long as its two neighbours together, so that the letters of all levels are 3 times those before
@@ -110,6 +108,8 @@ def adding_tree(
 
     def column(values: list[Any], dtype: Any, long_name: str, **more: str) -> Any:
         return "node", np.array(values, dtype), {"long_name": long_name, **more}
+
+    from grazing.late import xarray as xr
 
     about = {"symbol": PARAMETERS["mu"].symbol, "units": "1"}
     return xr.Dataset(

@@ -131,8 +131,6 @@ def grazing_curve(
     >>> P((u - 1e-9, v))[1], P((u + 1e-9, v))[1]
     (1, 0)
     """
-    from grazing.late import xarray as xr
-
     args = _checked(model, phase, preimages, points, box)
     state, order, times, cut_short = drawn(*args)
     model, phase, preimages, points, box = args
@@ -146,6 +144,9 @@ def grazing_curve(
         "impacts": MAX_IMPACTS,
         "arithmetic": "strict",
     }
+
+    from grazing.late import xarray as xr
+
     variables = {
         "graze": (
             ("graze_point", "coordinate"),
