@@ -8,7 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from grazing.explorer.webassembly import Argument, Entry
-from grazing.kernel.lanes import loop_of
+from grazing.kernel.primitives import inlined
 from grazing.outcome import AMBIGUOUS, FATAL
 from grazing.parameter import Parameter
 from grazing.studies.cycles import settling
@@ -43,6 +43,24 @@ def sized(argument: Argument, **known: int) -> Argument:
     return Argument(argument.name, argument.kind, shape, argument.meaning)
 
 
+@inlined
+def emptied(counts: Any, ended: Any, ambiguous: Any, q: int) -> None:
+    """Put zeros where a column is counted."""
+    ended[q], ambiguous[q] = 0, 0
+    for k in range(counts.shape[1]):
+        counts[q, k] = 0
+
+
+@inlined
+def fated(lanes: Any, outcome: int, q: int, j: int, ended: Any, ambiguous: Any) -> None:
+    """Count an orbit among those of its column that ended, or that met a decision that could not be made."""
+    lost = outcome & FATAL != 0
+    for k in range(lanes.shape[1]):
+        lost = lost or not abs(lanes[q, k, j]) < INFINITY
+    ended[q] += 1 if lost else 0
+    ambiguous[q] += 1 if outcome & AMBIGUOUS else 0
+
+
 def counter_of(run: Step, dimension: int) -> Step:
     """Return the kernel that counts the orbits of a loop in a raster, column by column, and stores none."""
 
@@ -57,8 +75,7 @@ def counter_of(run: Step, dimension: int) -> Step:
             m = last - first
             outcomes = np.zeros((m, 1, n), np.int32)
             for q in range(first, last):
-                for k in range(counts.shape[1]):
-                    counts[q, k] = 0
+                emptied(counts, ended, ambiguous, q)
             done = -1
             while done < keep:
                 steps = min(PIECE, keep - done) if done >= 0 else 0
@@ -68,13 +85,8 @@ def counter_of(run: Step, dimension: int) -> Step:
                 raster(points, i, low, high, bins, counts[first:last])
                 done = done + steps if done >= 0 else 0
             for q in range(first, last):
-                ended[q], ambiguous[q] = 0, 0
                 for j in range(n):
-                    lost = outcomes[q - first, 0, j] & FATAL != 0
-                    for k in range(dimension):
-                        lost = lost or not abs(lanes[q, k, j]) < INFINITY
-                    ended[q] += 1 if lost else 0
-                    ambiguous[q] += 1 if outcomes[q - first, 0, j] & AMBIGUOUS else 0
+                    fated(lanes, outcomes[q - first, 0, j], q, j, ended, ambiguous)
 
     return count
 
@@ -195,12 +207,12 @@ def arguments(text: str) -> tuple[Argument, ...]:
     return tuple(found)
 
 
-def orbits_entry(step: Step, prepare: Step | None, kind: type, dimension: int, name: str, meaning: str) -> Entry:
-    """Return the function that iterates a map."""
+def orbits_entry(run: Step, kind: type, dimension: int, name: str, meaning: str) -> Entry:
+    """Return the function that iterates a map by a loop around its step."""
     fields = len(kind._fields)  # type: ignore[attr-defined]
     arrays = rows_lanes(fields, dimension), points_letters_outcomes(dimension)
     return Entry(
-        name, loop_of(step, prepare, kind, dimension), ("columns", "starts", "keep"),
+        name, run, ("columns", "starts", "keep"),
         (*arrays[0], TRANSIENT, *arrays[1]), meaning=meaning,
     )  # fmt: skip
 
@@ -220,17 +232,20 @@ def points_letters_outcomes(dimension: int) -> tuple[Argument, Argument, Argumen
 
 
 def entries_of(
-    step: Step, tangent: Step, prepare: Step | None, kind: type, dimension: int, count: Step | None = None,
+    run: Step, count: Step, tangent: Step, prepare: Step | None, kind: type, dimension: int,
     units: Sequence[float] = (),
 ) -> list[Entry]:  # fmt: skip
-    """Return the functions that every map has: orbits, density, classify; ``count`` is a counter of the map's own."""
+    """Return the functions that every map has: orbits, density, classify.
+
+    ``run`` is a loop around the step, ``count`` what counts its orbits.
+    """
     fields = len(kind._fields)  # type: ignore[attr-defined]
     rows, lanes = rows_lanes(fields, dimension)
     points, letters, outcomes = points_letters_outcomes(dimension)
     return [
-        orbits_entry(step, prepare, kind, dimension, "orbits", "advance orbits by `transient` steps, then by `keep`"),
+        orbits_entry(run, kind, dimension, "orbits", "advance orbits by `transient` steps, then by `keep`"),
         Entry(
-            "density", count or counter_of(loop_of(step, prepare, kind, dimension), dimension), ("columns", "starts"),
+            "density", count, ("columns", "starts"),
             (rows, lanes, TRANSIENT, *arguments("""
                 keep: int64  steps that are counted
                 coordinate: int64  which coordinate is counted, from 0

@@ -9,6 +9,7 @@ import numpy as np
 
 from grazing.explorer.composed import Module, arguments, common_entries, entries_of
 from grazing.explorer.webassembly import Entry
+from grazing.kernel.lanes import loop_of
 from grazing.kernel.primitives import at, inlined
 from grazing.maps.gap import PARAMETERS, gap_map, gap_step, gap_tangent
 from grazing.outcome import AMBIGUOUS
@@ -96,7 +97,7 @@ def gap_module() -> Module:
     """Return the module."""
     entries = [
         *common_entries(boxes, len(FIELDS), 1),
-        *entries_of(gap_step, gap_tangent, None, KIND, 1, count),
+        *entries_of(loop_of(gap_step, None, KIND, 1), count, gap_tangent, None, KIND, 1),
         Entry(
             "edges", edges, ("periods",),
             (*arguments("""

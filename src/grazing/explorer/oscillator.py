@@ -12,6 +12,7 @@ from math import pi
 from typing import Any, NamedTuple
 
 from grazing.explorer.composed import Module, Step, arguments, common_entries, entries_of, orbits_entry
+from grazing.explorer.recurring import recurring_counter, recurring_loop
 from grazing.explorer.webassembly import Argument, Entry
 from grazing.kernel.lanes import unpacker
 from grazing.kernel.primitives import built, replaced, unit
@@ -389,14 +390,18 @@ def entries(laws: Laws) -> list[Entry]:
     """Return the functions of the module."""
     fields, frames = len(laws.fields), frames_of_rows(laws)
     period, tangent, local = steps_of(laws)
+    run = recurring_loop(stepping(period), frames.walls, frames.kind, 2)
     legs, sample = flights_of(laws, frames)
     zero_time, clearance, graze, reduce = at_graze_of(laws, frames)
     row = Argument("row", "float64", (fields,), "parameter values, in the order of `fields`")
     which = Argument("which", "int64", (), "which of `fields` varies")
     return [
         *common_entries(boxes_of(laws, frames), fields, 2),
-        *entries_of(stepping(period), plainly(deriving(tangent)), frames.walls, frames.kind, 2),
-        orbits_entry(local, PREPARE, frames.kind, 2, "orbits_local", "iterate the discontinuity map"),
+        *entries_of(run, recurring_counter(run, 2), plainly(deriving(tangent)), frames.walls, frames.kind, 2),
+        orbits_entry(
+            recurring_loop(local, PREPARE, frames.kind, 2), frames.kind, 2, "orbits_local",
+            "iterate the discontinuity map",
+        ),
         Entry(
             "legs", legs, ("capacity",),
             (row, *arguments("""

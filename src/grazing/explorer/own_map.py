@@ -7,8 +7,9 @@ from typing import Any
 
 import numpy as np
 
-from grazing.explorer.composed import Module, Step, common_entries, entries_of
+from grazing.explorer.composed import Module, Step, common_entries, counter_of, entries_of
 from grazing.explorer.extents import rounded, short
+from grazing.kernel.lanes import loop_of
 from grazing.maps.map import Map, kernels_of
 from grazing.outcome import InputError, UserCodeError
 from grazing.studies.density import density
@@ -66,11 +67,11 @@ def boxes_of(P: Map) -> Step:
 def map_module(P: Map) -> Module:
     """Return the module."""
     step, tangent = kernels_of(P)
+    kind = P.packed()[0]
+    run, units = loop_of(step, P.prepare, kind, P.dimension), [high - low for low, high in P.box]
     entries = [
         *common_entries(boxes_of(P), len(P.params), P.dimension),
-        *entries_of(
-            step, tangent, P.prepare, P.packed()[0], P.dimension, units=[high - low for low, high in P.box]
-        ),
+        *entries_of(run, counter_of(run, P.dimension), tangent, P.prepare, kind, P.dimension, units),
     ]  # fmt: skip
     fields = tuple(replace(P.describe(name), name=field_of(name)) for name in P.params)
     return Module(entries, fields, tuple(P.coordinates), P.letters if isinstance(P.letters, str) else None)
