@@ -30,7 +30,7 @@ def recurring_loop(step: Step, prepare: Step, kind: type, dimension: int) -> Ste
     """Return the loop around a step, with the same bits as :func:`grazing.kernel.lanes.loop_of`, of folded outcomes.
 
     A step depends on nothing but its state and its parameters. So orbits that are attracted by a cycle, which in
-    doubles most reach, take only the steps until then.
+    doubles most reach, take only the steps until then; those of a column after the first one know it already.
     """
     unpack, zero = unpacker(kind), (0.0,) * dimension
 
@@ -38,10 +38,11 @@ def recurring_loop(step: Step, prepare: Step, kind: type, dimension: int) -> Ste
         columns, n, keep = lanes.shape[0], lanes.shape[2], points.shape[1]
         for q in range(columns):
             c = prepare(unpack(rows[q]))
+            home, turn = column(lanes[q], 0, zero), 0
             for j in range(n):
                 state = column(lanes[q], j, zero)
-                known, since, look, lag, taken = state, 0, FEWEST, 0, 0
-                while taken < transient + keep and not 0 < lag <= taken - transient:
+                known, since, look, lag, taken, first = state, 0, FEWEST, 0, 0, 0
+                while taken < transient + keep and not 0 < lag <= taken - max(first, transient):
                     state, letter, outcome = step(state, c)
                     outcomes[q, 0, j] |= outcome
                     if taken >= transient:
@@ -51,8 +52,11 @@ def recurring_loop(step: Step, prepare: Step, kind: type, dimension: int) -> Ste
                     if lag > 0:
                         continue
                     if alike(state, known):
-                        lag = taken - since
-                        taken += max(transient - taken, 0) // lag * lag
+                        home, turn, lag, first = state, taken - since, taken - since, since
+                    elif turn > 0 and alike(state, home):
+                        lag, first = turn, taken
+                    if lag > 0:
+                        taken += max(transient + min(keep - lag, 0) - taken, 0) // lag * lag
                     elif taken == look:
                         known, since, look = state, taken, taken + max(FEWEST, taken // SHARE)
                 for k in range(taken - transient, keep):

@@ -37,7 +37,7 @@ class Raster {
     this.columns = this.values.length;
     this.bins = spec.bins;
     const fitting = old && old.columns === this.columns && old.bins === this.bins ? old : null;
-    /** @type {Int32Array} */
+    /** @type {Int32Array<ArrayBuffer>} */
     this.counts = fitting?.counts ?? new Int32Array(this.columns * (this.bins + 3));
     /** @type {Float64Array} points that were counted in each column */
     this.totals = fitting?.totals ?? new Float64Array(this.columns);
@@ -49,7 +49,7 @@ class Raster {
   /** Put columns that were counted into their places, each `stride` times. @param {number} from @param {Int32Array} counts @param {number} total @param {number} stride */
   put(from, counts, total, stride = 1) {
     const width = this.bins + 3, all = this.counts;
-    if (stride === 1) all.set(counts, from * width);
+    if (stride === 1 && counts !== all) all.set(counts, from * width);
     const end = Math.min(from + (counts.length / width) * stride, this.columns);
     for (let q = from; stride > 1 && q < end; q++) {
       const i = Math.floor((q - from) / stride) * width;
@@ -80,9 +80,11 @@ export function tonesOf(bins, total) {
   return { scale, tones: Uint8Array.from({ length: size }, (_, count) => Math.round(40 + 215 * Math.sqrt(Math.min(1, (count / scale) * strength)))) };
 }
 
-/** Wait until a frame has been made; of a page that nobody sees none is. */
-const onScreen = () => new Promise((done) => {
-  requestAnimationFrame(() => setTimeout(done));
+/** Milliseconds without a new picture after which a hand may be thought to rest. */
+const RESTS = 40;
+/** Wait until a frame has been made and the hand rests; of a page that nobody sees none is made. */
+const atRest = () => new Promise((done) => {
+  requestAnimationFrame(() => setTimeout(done, RESTS));
   setTimeout(done, 100);
 });
 
@@ -208,7 +210,7 @@ export class Diagram {
     const take = (/** @type {number} */ from, /** @type {any} */ got) => (asks ? found.push({ from, ...got }) : put(from, got.counts));
     const work = firsts.length * quick.starts * (quick.transient + quick.keep) * spec.cost;
     if (batch.now && work <= AT_ONCE && this.#took < SOON) {
-      take(0, batch.now(spec.machine, name, job(firsts)));
+      take(0, batch.now(spec.machine, name, { ...job(firsts), into: quick.stride === 1 ? { counts: made.counts } : undefined }));
       this.#took += (performance.now() - begun - this.#took) / 4;
     } else {
       this.#took *= 0.9;
@@ -223,7 +225,7 @@ export class Diagram {
     this.paint();
     if (this.#next()) return;
     if (asks) this.events.ranged?.();
-    await onScreen(); // refinement would take the processors from the frame that shows this picture
+    await atRest(); // refinement would take the processors from this picture's frame, and from the next one
 
     await this.#inParts(values, CHUNK_WORK / spec.cost / (spec.starts * (spec.transient + spec.keep)), async (some, from) => {
       const found = await batch.run(spec.machine, "raster", { ...this.#job(spec, some), colour: spec.colour });
@@ -254,14 +256,13 @@ export class Diagram {
   }
 
   #soon() {
-    this.#asked ||= setTimeout(() => {
-      this.#asked = 0;
-      this.paint();
-    }, PAUSE);
+    this.#asked ||= window.setTimeout(() => this.paint(), PAUSE);
   }
 
   /** Draw what is known now: the strongest tone of all parts of the raster that share a pixel, so that no line is lost. */
   paint() {
+    clearTimeout(this.#asked);
+    this.#asked = 0;
     if (!this.#shown) return;
     const image = this.image.getContext("2d");
     if (!image) return this.draw();
@@ -315,9 +316,10 @@ export class Diagram {
     strip.width = columns;
     strip.height = 2;
     for (let q = 0; q < columns; q++) {
-      const found = [...new Set(codes.subarray(q * bins, (q + 1) * bins))].filter((N) => N > 0).sort((a, b) => a - b);
-      [found[0], found[1] ?? found[0]].forEach((N, i) => {
-        c.fillStyle = periodColour(N ?? 0);
+      let low = 256, next = 256; // the two least
+      for (const N of codes.subarray(q * bins, (q + 1) * bins)) if (N > 0 && N < next && N !== low) [low, next] = N < low ? [N, low] : [low, N];
+      [low, next < 256 ? next : low].forEach((N, i) => {
+        c.fillStyle = periodColour(N % 256);
         c.fillRect(q, i, 1, 1);
       });
     }

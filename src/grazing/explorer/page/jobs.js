@@ -41,9 +41,10 @@ function drawn(machine, rows, values, starts, seed) {
 const ASKED = 8, SEEN = 64;
 
 /**
- * Counts (columns, bins + 3): below, the parts of the range, above, what is no number; with `colour` periods.
+ * Counts (columns, bins + 3): below, the parts of the range, above, what is no number; with `colour` periods. `into` may
+ * be where the counts go.
  * @param {Machine} machine
- * @param {Columns & Steps & Range & {colour?: boolean, tolerance: number}} job
+ * @param {Columns & Steps & Range & {colour?: boolean, tolerance: number, into?: {counts: Int32Array<ArrayBuffer>}}} job
  */
 export function raster(machine, job) {
   const { row, which, values, low, high, bins, coordinate, starts, transient, keep, seed, colour } = job;
@@ -52,6 +53,7 @@ export function raster(machine, job) {
     "density",
     { columns, starts, rows, lanes: drawn(machine, rows, values, starts, seed), transient, keep, coordinate, low, high, bins },
     ["counts", "ended", "ambiguous", "lanes"],
+    job.into,
   );
   return { counts, ended, ambiguous, codes: colour ? codesOf(machine, job, rows, lanes) : undefined };
 }

@@ -51,14 +51,15 @@ export class Machine {
 
   /**
    * Call a function. `given` holds sizes, numbers and the arrays that are read; arrays left out begin with zeros.
-   * Returns copies of the arrays named in `wanted`, and `result`.
+   * Returns copies of the arrays named in `wanted`, in those of `into` where these are, and `result`.
    * @template {keyof Arrays} [Name=never]
    * @param {string} name
    * @param {Given} given
    * @param {Name[]} wanted
+   * @param {Partial<Arrays>} into
    * @returns {Pick<Arrays, Name> & {result: number}}
    */
-  call(name, given, wanted = []) {
+  call(name, given, wanted = [], into = {}) {
     const called = this.functions.get(name);
     if (!called) throw new RangeError(`the module has no function ${name}`);
     let free = this.first;
@@ -91,7 +92,10 @@ export class Machine {
     /** @type {Record<string, any>} */
     const found = { result: this.exports[name](...values) };
     for (const { key, view, place, length } of places) {
-      if (wanted.includes(/** @type {Name} */ (key))) found[key] = new view(memory.buffer, place, length).slice();
+      if (!wanted.includes(/** @type {Name} */ (key))) continue;
+      const there = new view(memory.buffer, place, length), here = into[/** @type {Name} */ (key)];
+      here?.set(/** @type {never} */ (there));
+      found[key] = here ?? there.slice();
     }
     return /** @type {any} */ (found);
   }
