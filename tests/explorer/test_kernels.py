@@ -2,15 +2,19 @@
 
 import numpy as np
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 import grazing as gz
 from grazing import theory
+from grazing.explorer.gap import part_of
 from grazing.explorer.oscillator import LAWS
 from grazing.maps.discontinuity import ORDERS
 from grazing.studies.basins import basins
 from grazing.studies.chart import chart
 from grazing.studies.classify import TOLERANCE, classify
 from grazing.studies.density import density
+from grazing.studies.density import raster as count_in_raster
 from grazing.studies.starts import random_starts
 from tests.explorer.machine import classes, draw, fields_of, orbits, raster, row_of
 from tests.explorer.models import CASES
@@ -76,6 +80,20 @@ def test_raster_of_the_gap_map(machines, params, name, ends, range_, bins, start
     np.testing.assert_array_equal(ended, want["ended"])
     np.testing.assert_array_equal(ambiguous, want["ambiguous"])
     assert np.any(ended > 0) == (params[0] > 1.0) and np.any(ambiguous > 0) == (params[1] == 0.0)
+
+
+@given(
+    st.lists(st.floats() | st.floats(-1.5, 1.5), min_size=1, max_size=20), st.floats(-1.0, 0.9),
+    st.floats(1e-3, 2.0) | st.sampled_from([1.0, 0.1]), st.integers(1, 1000),
+)  # fmt: skip
+def test_parts_are_those_of_a_density(points, low, width, bins):
+    high = low + width
+    points = [*points, low, high, np.nextafter(low, -2.0), np.nextafter(high, 4.0), np.nextafter(high, -2.0)]
+    counts, expected = np.zeros((1, bins + 3), np.int64), np.zeros((1, bins + 3), np.int64)
+    count_in_raster(np.array(points).reshape(1, -1, 1, 1), 0, low, high, bins, expected)
+    for x in points:
+        counts[0, part_of(x, low, high, bins / (high - low), bins)] += 1
+    assert counts.tolist() == expected.tolist()
 
 
 @pytest.mark.parametrize("case", CASES)

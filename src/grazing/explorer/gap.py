@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import floor
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,7 @@ import numpy as np
 from grazing.explorer.composed import Module, arguments, common_entries, entries_of
 from grazing.explorer.webassembly import Entry
 from grazing.kernel.lanes import loop_of
-from grazing.kernel.primitives import at, inlined
+from grazing.kernel.primitives import at, inlined, picked
 from grazing.maps.gap import PARAMETERS, gap_map, gap_step, gap_tangent
 from grazing.outcome import AMBIGUOUS
 from grazing.parameter import parameter_tuple
@@ -38,11 +37,11 @@ def edges(lam: float, l: float, table: Any) -> None:
 
 
 @inlined
-def part_of(x: float, low: float, high: float, scale: float, bins: int) -> int:
+def part_of(x: float, low: float, high: float, scale: float, bins: int) -> Any:
     """Return which number of a column counts a point, as :func:`grazing.studies.density.raster` does."""
-    inside = low <= x <= high
-    part = min(floor(((x if inside else low) - low) * scale), bins - 1.0) + 1.0
-    return int(part if inside else (0.0 if x < low else (bins + 1.0 if x > high else bins + 2.0)))
+    part = picked(x <= high, min((x - low) * scale, bins - 1.0), bins * 1.0)
+    part = picked(x >= low, part, -1.0)
+    return np.int32(picked(x == x, part, bins + 1.0)) + 1  # no part in between is below 0: cut off is rounded down
 
 
 def count(
@@ -61,7 +60,7 @@ def count(
         for k in range(counts.shape[1]):
             counts[q, k] = 0
     x, c = np.empty(BESIDE), np.empty((3, BESIDE))
-    said, which, part = np.empty(BESIDE, np.int64), np.empty(BESIDE, np.int64), np.empty(BESIDE, np.int64)
+    said, which, part = np.empty(BESIDE, np.int64), np.empty(BESIDE, np.int64), np.empty(BESIDE, np.int32)
     for start in range(0, total, BESIDE):
         width = min(BESIDE, total - start)
         for j in range(BESIDE):  # beyond the last orbit, that one once more
@@ -77,6 +76,7 @@ def count(
             for j in range(BESIDE):
                 (x[j],), _letter, outcome = gap_step((x[j],), KIND(c[0, j], c[1, j], c[2, j]))
                 said[j] |= outcome
+            for j in range(BESIDE):
                 part[j] = part_of(x[j], low, high, scale, bins)
             for j in range(width):
                 counts[at(which[j]), at(part[j])] += 1

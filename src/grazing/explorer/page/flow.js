@@ -47,7 +47,7 @@ function workOf(state) {
   const slow = (2 * Math.PI) / Math.min(...ends.map(({ omega }) => omega)) > SLOW || hits > ENDLESSLY;
   return {
     machine: "oscillator", starts: state.flow_starts, transient: state.flow_transient, keep: state.flow_keep, cost: 40 * cost, slow,
-    quick: hits > ENDLESSLY ? { stride: 100, starts: 1, transient: 8, keep: 8 } : dear ? { stride: 24, starts: 2, transient: 30, keep: 30 } : { stride: 12, starts: 4, transient: 50, keep: 40 },
+    quick: hits > ENDLESSLY ? { stride: 100, starts: 1, transient: 8, keep: 8 } : dear ? { stride: 24, starts: 2, transient: 30, keep: 30 } : { stride: 16, starts: 4, transient: 50, keep: 40 },
   };
 }
 
