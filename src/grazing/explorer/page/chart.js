@@ -293,8 +293,9 @@ export class ChartView {
   /** The colours that occur, as many as there is room for. @param {import("./svg.js").Pen} c */
   #legend(c) {
     const { axes, plan } = this;
+    const share = (/** @type {{share: number}} */ each) => (this.canvas.dataset.stage === "done" ? `: ${percent(each.share)}` : ""); // the words say what it is so far
     let named = plan?.basins
-      ? this.#shares().map((each) => ({ ...each, text: `${called(each, plan.name === "map")}: ${percent(each.share)}`, word: each.word && `${each.word}: ${percent(each.share)}` }))
+      ? this.#shares().map((each) => ({ ...each, text: called(each, plan.name === "map") + share(each), word: each.word && each.word + share(each) }))
       : [...(this.colours ?? [])].map(([code, colour]) => ({ colour, word: "", text: code ? String(code) : "none" }));
     if (named.reduce((sum, { text }) => sum + c.measureText(text).width + 29, -14) > axes.box.w) named = named.map((each) => ({ ...each, text: each.word || each.text }));
     c.textAlign = "left";

@@ -13,7 +13,7 @@ export const EXERCISES = {
   "Cobweb": ["Let μ rise until the orbit of period 3 ends, and fall until one of period 4 takes its place. What does the point on the right do at each end?", "#version=2&view=gap&lam=0.5&l=0.1&span=-0.05:0.35&mu=0.15&x0=0.2&web=3"],
   "Chaos": ["Start the twin, and read its λ and how sure it is. For how many more pushes is the ball foretold if its start is known a thousand times as well?", "#version=2&view=ball&omega=6&V=0&offset=-0.2&reach=-0.3:0"],
   "Chatter": ["The force hardly changes while the ball hops. If one hop lasts a time τ, how long is it until the ball lies still? Does it with r = 0.8, with 0.9?", "#version=2&view=ball&V=0&r=0.7&offset=-0.5&reach=-0.6:0.1"],
-  "The table": ["Launch a ball and split it. Near balls part tenfold in about 0.3 s. How much longer do you foresee the ball if you place it a thousand times as exactly? Where does the curve leap?", "#table=classic"],
+  "The table": ["Launch a ball and split it, and read in how many seconds near balls part tenfold. How much longer do you foresee the ball if you place it a thousand times as exactly? Where does the curve leap?", "#table=classic"],
 };
 
 /** @type {Record<string, {title: string, state: Partial<import("./state.js").State>}>} */

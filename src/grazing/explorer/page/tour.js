@@ -43,7 +43,7 @@ export const TOUR = [
   },
   {
     title: "Adding",
-    text: "As d rises towards the graze, orbits with one impact in 2, 3 and 4 periods follow one another: their words are 01, 001, 0001. Colours name periods.",
+    text: "As d rises towards the graze, orbits with one impact in 2, 3 and 4 periods follow one another: their words are 01, 001, 0001. Colours name periods; the pale bands are the windows that theory predicts.",
     state: { ...STANDARD, view: "oscillator", offset: 0.112, reach: [0.05, 0.125], reduced: false },
     question: {
       ask: "Which word comes after 0001?",
