@@ -48,8 +48,8 @@ RANK = {part: rank for rank, line in enumerate(LAYERS) for part in line}
 ALLOWED_ONLY = {"theory": {"outcome"}}
 # A study knows no other study, except for what they share.
 SHARED_BY_STUDIES = {
-    "attractors", "boundary", "changes", "classify", "cycles", "growth", "labels", "outside", "plan", "recurrence",
-    "runs", "starts",
+    "attractors", "boundary", "changes", "classify", "cycles", "differences", "growth", "labels", "outside", "plan",
+    "recurrence", "runs", "starts",
 }  # fmt: skip
 # Heavy packages, each with the parts that may name it.
 OWNERS = {

@@ -117,3 +117,14 @@ def test_a_turn_at_a_pitchfork_far_from_0_lies_in_its_bracket():
     wanted = {"lp": [mp.mpf(1)], "bp": [mp.mpf(1)]}
     branches = [gz.continuation(P, orbit, "m", (-2.0, 2.8)) for orbit in gz.periodic_orbits(P, 1)]
     assert sum(held(branch, wanted, 1e-6) for branch in branches) >= 2
+
+
+@pytest.mark.parametrize("e", [1e-5, 1e-7, 1e-10])
+def test_where_a_bowl_takes_hardly_any_speed_the_doubling_lies_in_its_bracket(e):
+    """V = (1 - r) sqrt(g R): defects were 0 all over the reach of the probes, and it was 4000 brackets off."""
+    r, V = 1.0 - e, 1.2 * e
+    bowl = gz.arc("bowl", (0.0, 0.0), 2.0, np.pi, 2.0 * np.pi, gz.active(r=r, V=V))
+    orbit = gz.periodic_orbits(gz.collision_map(gz.table([bowl], tilt=0.5 * np.pi)), word="(bowl)", starts=10)[0]
+    branch = gz.continuation(orbit.map, orbit, "bowl.V", (0.3 * V, 2.0 * V), points=400)
+    true = (1 - mp.mpf(r)) * mp.sqrt(mp.mpf(orbit.map.params["g"]) * mp.sin(orbit.map.params["tilt"]) * 2)
+    assert held(branch, {"pd": [true]}, 1e-4 * V) == 1

@@ -64,3 +64,20 @@ def test_a_proof_of_another_value_or_orbit_is_none_of_the_edge():
     turned = table.assign(low_phase=table.low_phase + 0.01, high_phase=table.high_phase - 0.01)
     said = [proof for _w, _side, proof in edge_proofs(model, turned)]
     assert len(said) == 2 and all(str(one).startswith("the proof is of another orbit") for one in said)
+
+
+def test_where_a_double_is_born_the_multiplier_that_is_proven_is_that_of_the_orbit_it_doubles():
+    """Its own is +1 there: another pd of the double, at 0.7907 or 0.9259, was enclosed and refused."""
+    walls = gz.wall(-0.5, gz.newton(0.87)), gz.wall(0.5, gz.newton(0.8))
+    model = gz.Oscillator(alpha=0.1, k=0.5, forcing=gz.Forcing(omega=2.0, cos=(2.0,)), walls=walls)
+    table = gz.windows(model, "B.r", 2, (0.86, 0.88), samples=2, words="ABAB")
+    born = [
+        (w, side) for w in range(table.sizes["window"]) for side in ("low", "high") if table[f"{side}_type"][w] == "pd"
+    ]
+    assert len(born) == 2
+    proofs = {(w, side): proof for w, side, proof in edge_proofs(model, table)}
+    for w, side in born:
+        low, high = proofs[w, side].value
+        assert low <= float(table[side].values[w]) <= high and high - low < 1e-12
+        assert proofs[w, side].document["data"]["impacts"] == ["A", "B"]
+    assert "of a double that is born there" in table.low_type.attrs["meaning"]

@@ -502,3 +502,47 @@ def test_an_orbit_that_ends_while_it_is_measured_has_ended():
     assert 0 < ended.sum() < 20
     assert (found.period.values == np.where(ended, -2, -1)).all()
     assert (np.isnan(found.exponent.values[:, 0]) == ended).all()
+
+
+@pytest.mark.parametrize("a", [2.0000001, 1.9, 3.3, 3.5, 3.8318740551, 3.2360679])
+def test_differences_beside_a_maximum_are_as_wrong_as_the_error_of_a_cycle_says(a):
+    """The error was 4e-11 wherever a cycle lies: at 3.8318740551 the exponent was off by 0.002."""
+    found, exact = (lyapunov(P.replace(a=a), starts=3, transient=2000) for P in (LOGISTIC, SMOOTH))
+    assert (found.period == exact.period).all() and (found.period > 0).all()
+    off = abs(found.exponent - exact.exponent)
+    assert (off <= found.exponent_error).all() and (found.exponent_error < 0.1).all()
+
+
+def test_an_exponent_that_differences_do_not_know_has_no_error_that_is_a_number():
+    """At a = 2 the maximum itself is a fixed point: the exponent is minus infinity, and what is not is rounding."""
+    for P in (
+        LOGISTIC,
+        gz.Map(
+            pieces={"L": LOGISTIC.step, "R": LOGISTIC.step},
+            border=lambda x, p: x[0] - 0.5,
+            params={"a": 2.0},
+            box=((0.0, 1.0),),
+        ),
+    ):
+        found = lyapunov(P.replace(a=2.0), starts=5)
+        assert (found.period > 0).all()
+        assert ((found.exponent_error > 1.0) | np.isnan(found.exponent_error)).all()
+
+
+@pytest.mark.parametrize("b", [1e-3, 1e-7])
+def test_differences_of_a_cycle_of_the_plane_have_an_error_for_each_exponent(b):
+    """Of two points whose x are x and y the multipliers have the sum 4 a^2 x y + 2 b and the product b^2."""
+
+    def flat(state, p):
+        return 1.0 - p.a * state[0] * state[0] + p.b * state[1], state[0]
+
+    a = 0.9
+    P = gz.Map(flat, params={"a": a, "b": b}, coordinates=("x", "y"), box=((-1.0, 1.0), (-1.0, 1.0)))
+    found = lyapunov(P, starts=2, transient=1000)
+    assert (found.period == 2).all()
+    product = ((1.0 - b) ** 2 - a) / a**2  # of x and y, the roots of a^2 z^2 - a (1 - b) z + (1 - b)^2 - a
+    half = 2.0 * a * a * product + b
+    greatest = abs(half) + math.sqrt(half * half - b * b)
+    exact = np.log([greatest, b * b / greatest]) / 2.0
+    off = abs(found.exponent.values - exact)
+    assert (off <= found.exponent_error.values).all() and (found.exponent_error.values[:, 0] < 1e-8).all()

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 #: What ends a window, in words.
 EDGES = {
     "gr": "graze: a dip of the flight touches the wall",
-    "pd": "period doubling: a multiplier reaches -1",
+    "pd": "period doubling: a multiplier reaches -1, of a double that is born there that of the orbit it doubles",
     "lp": "fold: a multiplier reaches +1, the impact phase loses its solution",
     "ns": "Neimark-Sacker: complex multipliers reach the unit circle",
     "v0": "the impact speed reaches 0",

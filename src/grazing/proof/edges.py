@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from itertools import product
 from typing import TYPE_CHECKING, Any
 
 from grazing.maps.stroboscopic import stroboscopic_map
@@ -96,7 +97,7 @@ class _Edge:
         )
         hits = "".join(data["impacts"]) if self.word else ""
         for i, (low, _high) in enumerate(data["claims"]["box"][: len(hits) or 1]):
-            if hits[i:] + hits[:i] == self.word:
+            if hits[i:] + hits[:i] == self.word[: len(hits)]:  # a double begins as the orbit that doubles
                 yield omega * (float(low) + t0)
 
 
@@ -109,12 +110,18 @@ def _orbits(model: Rig, N: int, word: str) -> Sequence[ImpactOrbit]:
 
 
 def _enclosed(model: Rig, name: str, edge: _Edge) -> Certificate | str:
-    """Return the proof of one edge, begun from an orbit inside the window, or why there is none."""
-    why = "no orbit was found beside it"
-    for part in INSIDE:
+    """Return the proof of one edge, begun from an orbit inside the window, or why there is none.
+
+    Where a double is born, the multiplier -1 is that of the orbit that doubles, which repels inside.
+    """
+    why, half = "no orbit was found beside it", edge.word[: len(edge.word) // 2]
+    begins = [(edge.N, edge.word)]
+    if edge.kind == "pd" and half and edge.word == 2 * half and edge.N % 2 == 0:
+        begins.append((edge.N // 2, half))
+    for part, (N, word) in product(INSIDE, begins):
         value = edge.value + part * edge.across
-        for orbit in _orbits(model.replace(**{name: value}), edge.N, edge.word):
-            if not (orbit.admissible and orbit.stable):
+        for orbit in _orbits(model.replace(**{name: value}), N, word):
+            if not (orbit.admissible and (orbit.stable or N != edge.N)):
                 continue
             try:
                 proof = enclose(orbit, edge.kind, name)

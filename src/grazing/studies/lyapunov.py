@@ -18,6 +18,7 @@ from grazing.outcome import AMBIGUOUS, FATAL, InputError
 from grazing.parameter import checked_name, whole
 from grazing.studies import labels
 from grazing.studies.classify import AMBIGUOUS_TRUST, ENDED, settled_columns
+from grazing.studies.differences import error_of_cycles
 from grazing.studies.growth import SMALL, sides_of, stretcher, turned
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values, tolerance_config
@@ -84,7 +85,8 @@ def lyapunov(
         completed chatter or sticking, not a number where an orbit ended or has no derivative (a graze).
         ``exponent_error``, its standard error: 0 for an orbit with a period; else that of the mean of 20 batches of
         the steps, which holds as far as an orbit forgets within a batch, and not a number beside what is not finite.
-        Where derivatives are differences 4e-11 is added for rounding.
+        Where derivatives are differences 4e-11 is added for rounding; those of a cycle then have an error, too: what
+        rounding and twice the step change, which is much beside a maximum of a map.
         For a map of a model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name,
         "start"): ``period``, ``word``, ``outcome`` and ``trust`` as in :func:`grazing.orbit_diagram`. An orbit on a
         cycle that repels is *ambiguous*: rounding has put it there, as 2 x mod 1 takes every double to 0, or holds it.
@@ -155,10 +157,20 @@ def _compute(runs: Runs, steps: int, cells: Ints, arrays: Arrays) -> Iterator[No
             many = settled.period[part] if settled.period[part][0] > 0 else None
             seen = found.points[q, -1, :, j], found.letters[q, :, j]
             yield from _measure(P, rows[q], *seen, many, steps, part, arrays)
+            if many is not None and by_differences(P):
+                last = found.points[q, :, :, j]
+                doubt = error_of_cycles(P, rows[q], last, many.astype(np.int64), runs.settings.arithmetic)
+                known = np.isfinite(arrays["exponent"][part])
+                arrays["exponent_error"][part] = np.where(known, np.maximum(doubt, ROUNDED), np.nan)
     repels = arrays["exponent"][..., 0] * np.maximum(settled.period, 1) > REPELS
     arrays["trust"][repels & ((settled.period > 0) | back(found.points, sides_of(P)))] = AMBIGUOUS_TRUST
     if P.origin.clock is not None:
         arrays["exponent_per_time"][...] = arrays["exponent"] / arrays["return_time"][..., None]
+
+
+def by_differences(P: Map) -> bool:
+    """Return whether a map's derivatives are differences."""
+    return P.tangent is None and P.origin.derivative is None
 
 
 def back(points: Floats, sides: Floats) -> NDArray[np.bool_]:
@@ -208,7 +220,7 @@ def _measure(
         doubtful = (again & (exponent[:, 0] > REPELS)) | ((outcomes & AMBIGUOUS) != 0)
         arrays["trust"][part] = np.where(doubtful, AMBIGUOUS_TRUST, arrays["trust"][part])
         many = np.full(len(states), float(steps))
-    rounding = ROUNDED if P.tangent is None and P.origin.derivative is None else 0.0
+    rounding = ROUNDED if by_differences(P) else 0.0
     arrays["exponent"][part], arrays["exponent_error"][part] = exponent, np.hypot(error, rounding)
     if P.origin.clock is not None:
         for n in np.unique(many):
