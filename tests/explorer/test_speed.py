@@ -91,7 +91,7 @@ def test_the_pictures_of_the_oscillator(shown, address):
     (picture,) = seen["pictures"]
     first = seen["jobs"][: workers(shown, "oscillator")]
     assert picture["row"][OSCILLATOR.index("V")] == 0.3
-    assert sum(job["columns"] * job["steps"] for job in first) == 84 * 4 * 90  # every twelfth
+    assert sum(job["columns"] * job["steps"] for job in first) == 63 * 4 * 90  # every sixteenth
     assert {job["job"] for job in first} == {"points"}  # the same orbits say how high the picture is
     rest = [job for job in seen["jobs"][len(first) :] if job["job"] == "raster"]
     assert sum(job["columns"] for job in rest) == 1000
