@@ -89,14 +89,15 @@ def test_the_pictures_of_the_oscillator(shown, address):
     shown.open(f"{address}#version=2&view=oscillator&columns=1000&reduced=no&V=0.3")  # what takes long, once
     seen = shown.page.evaluate("seen")
     (picture,) = seen["pictures"]
-    first = seen["jobs"][: workers(shown, "oscillator")]
+    jobs = [job for job in seen["jobs"] if job["job"] != "found"]  # what starts settle on, on a busy machine
+    first = jobs[: workers(shown, "oscillator")]
     assert picture["row"][OSCILLATOR.index("V")] == 0.3
     assert sum(job["columns"] * job["steps"] for job in first) == 63 * 4 * 90  # every sixteenth
     assert {job["job"] for job in first} == {"points"}  # the same orbits say how high the picture is
-    rest = [job for job in seen["jobs"][len(first) :] if job["job"] == "raster"]
+    rest = jobs[len(first) :]
     assert sum(job["columns"] for job in rest) == 1000
     # what settles an orbit is done once, for its points and for its period
-    assert {job["job"] for job in seen["jobs"][len(first) :]} <= {"raster", "found"}
+    assert {job["job"] for job in rest} == {"raster"}
     assert sum(job["columns"] * job["steps"] for job in rest) == 1000 * 8 * 184
     assert max(job["columns"] * job["steps"] for job in rest) <= 15_000
 
@@ -263,3 +264,38 @@ def test_a_picture_that_takes_long_begins_with_few_orbits_and_says_how_far_it_is
     shown.settle()
     shown.page.evaluate("said.length = 0; explorer.views.oscillator.diagram.draw()")
     assert not shown.page.evaluate("said.some(text => /%/.test(text))")
+
+
+#: The cells of a chart in the order in which they are computed, by their values along the axes.
+CELLS = """
+() => {
+  globalThis.cells = [];
+  const send = Worker.prototype.postMessage;
+  Worker.prototype.postMessage = function (message, ...more) {
+    if (["chart", "basins"].includes(message.job)) cells.push(...message.given.values);
+    return send.call(this, message, ...more);
+  };
+}
+"""
+
+
+@pytest.mark.parametrize("chart", ["gap", "basins"])
+def test_a_chart_computes_each_cell_once_and_boundaries_first(shown, address, chart):
+    W, H = 72, 40
+    shown.open(f"{address}#version=2&view=gap")
+    shown.page.evaluate(CELLS)
+    shown.open(f"{address}#version=2&view=chart&chart={chart}&chart_columns={W}&chart_rows={H}&offset=0.1225")
+    x, y = np.reshape(shown.page.evaluate("cells"), (-1, 2)).T
+    assert len(x) == W * H
+    i, j = (np.unique(ends, return_inverse=True)[1] for ends in (x, y))
+    assert len(set(zip(i, j, strict=True))) == W * H
+    first = (W // 8) * (H // 8)
+    assert set(i[:first] % 8) == {0} and set(j[:first] % 8) == {0}
+    when = np.empty((H, W))
+    when[j, i] = np.arange(W * H)
+    codes = np.reshape(shown.page.evaluate("() => [...explorer.views.chart.codes]"), (H, W))
+    edge = np.zeros((H, W), bool)
+    edge[:, 1:] |= codes[:, 1:] != codes[:, :-1]
+    edge[1:] |= codes[1:] != codes[:-1]
+    assert 0.02 < edge.mean() < 0.6
+    assert when[edge].mean() < 0.7 * when[~edge].mean()

@@ -1,5 +1,5 @@
 // @ts-check
-/** A chart of two parameters by the period that most starts settle on, or basins over initial states by attractor; coarse at once, then refined. */
+/** A chart of two parameters by the period that most starts settle on, or basins over initial states by attractor; coarse at once, then refined, first where boundaries are. */
 import { merged, ordered, percent, sameWithin } from "./basins.js";
 import { periodColour, rgb, theme } from "./colours.js";
 import { plainSymbol } from "./controls.js";
@@ -22,8 +22,10 @@ import { ceiling, inside } from "./walls.js";
 const NONE = -1; // no cell yet
 /** Where states of one coordinate lie in the height of their strip. */
 const MIDDLE = 0.5;
-/** The steps between cells of the pictures that refine one another. */
-const STEPS = [8, 2, 1];
+/** The steps between cells of the grids that refine one another, each of twice as many as the one before. */
+const STEPS = [8, 4, 2, 1];
+/** Steps of the gap map in one job, and milliseconds between pictures, which take the processors from what they show. */
+const WORK = 1e6, PAUSE = 100;
 
 export class ChartView {
   /** @type {import("./jobs.js").Reached[]} */ reached = [];
@@ -171,36 +173,46 @@ export class ChartView {
       const known = merged(reached, some, same);
       return which.map((k) => known[k]);
     };
-    const cells = (/** @type {number[]} */ columns, /** @type {number[]} */ rows) => {
-      const size = Math.max(1, Math.round(8e5 / (plan.settings.starts * (plan.settings.transient + 64) * plan.cost * columns.length)));
-      const chunks = [];
-      for (let i = 0; i < rows.length; i += size) chunks.push(rows.slice(i, i + size));
-      return chunks.map(async (chunk) => {
-        const pairs = chunk.flatMap((j) => columns.map((i) => [i, j]));
-        const values = Float64Array.from(pairs.flatMap(([i, j]) => [xs[i], ys[j]].slice(0, plan.names.length)));
-        const made = await (plan.basins ? reach(values) : batch.run(plan.name, "chart", { ...given, values }).then((found) => found.codes));
-        pairs.forEach(([i, j], k) => (codes[j * xs.length + i] = made[k]));
-        this.#soon();
-      });
-    };
-    const every = (/** @type {number} */ size, /** @type {number} */ step) => Array.from({ length: Math.ceil(size / step) }, (_, i) => i * step);
-    for (const step of STEPS) {
-      await Promise.all(cells(every(xs.length, step), every(ys.length, step)));
-      if (!batch.live()) return;
-      if (step === 1) this.canvas.dataset.stage = "done";
-      this.paint();
-      this.done(); // after each grid: its shares are estimates of those of the next
+    const size = Math.max(1, Math.round(WORK / (plan.settings.starts * (plan.settings.transient + 64) * plan.cost)));
+    /** Compute cells, whose numbers are given. @param {number[]} cells */
+    const compute = (cells) => Promise.all(Array.from({ length: Math.ceil(cells.length / size) }, async (_, n) => {
+      const some = cells.slice(n * size, (n + 1) * size), values = Float64Array.from(some.flatMap((cell) => [xs[cell % W], ys[Math.floor(cell / W)]].slice(0, plan.names.length)));
+      const made = await (plan.basins ? reach(values) : batch.run(plan.name, "chart", { ...given, values }).then((found) => found.codes));
+      some.forEach((cell, k) => (codes[cell] = made[k]));
+      this.#asked ||= window.setTimeout(() => this.paint(), PAUSE);
+    }));
+    const W = xs.length, all = Array.from(codes.keys());
+    for (const edges of [true, false]) {
+      for (const step of STEPS) {
+        const filled = this.#filled(), wide = 2 * step;
+        /** Whether a cell lies between cells that differ. @param {number} i @param {number} j */
+        const between = (i, j) => {
+          const a = i - (i % wide), b = j - (j % wide), right = Math.min(a + wide, W - 1), up = Math.min(b + wide, ys.length - 1), code = filled[b * W + a];
+          return step === STEPS[0] || [b * W + right, up * W + a, up * W + right].some((cell) => filled[cell] !== code);
+        };
+        await compute(all.filter((cell) => {
+          const i = cell % W, j = Math.floor(cell / W);
+          return codes[cell] === NONE && i % step === 0 && j % step === 0 && (!edges || between(i, j));
+        }));
+        if (!batch.live()) return;
+        if (!edges && step === 1) this.canvas.dataset.stage = "done";
+        this.paint();
+        if (edges || step === 1) this.done(); // shares are estimates until then
+      }
     }
   }
 
-  /** When the picture was begun. */ #begun = 0;
-
-  #soon() {
-    this.#asked ||= requestAnimationFrame(() => {
-      this.#asked = 0;
-      this.paint();
+  /** The picture as far as it is known: of a cell that is not, the code of the nearest coarser one. */
+  #filled() {
+    const codes = /** @type {Int16Array} */ (this.codes), W = this.plan?.sizes[0] ?? 1;
+    return codes.map((code, cell) => {
+      const i = cell % W, j = Math.floor(cell / W);
+      for (let n = STEPS.length - 2; n >= 0 && code === NONE; n--) code = codes[(j - (j % STEPS[n])) * W + i - (i % STEPS[n])];
+      return code;
     });
   }
+
+  /** When the picture was begun. */ #begun = 0;
 
   repaint() {
     if (this.plan) this.paint();
@@ -209,7 +221,7 @@ export class ChartView {
   /** The attractors of the basins that are known, the largest basin first. */
   attractors() {
     const cells = new Array(this.reached.length).fill(0);
-    for (const code of this.codes ?? []) if (code !== NONE) cells[code]++;
+    for (const code of this.codes ? this.#filled() : []) if (code !== NONE) cells[code]++;
     return ordered(this.reached, cells);
   }
 
@@ -222,6 +234,8 @@ export class ChartView {
 
   /** Make the raster again, and draw it. */
   paint() {
+    clearTimeout(this.#asked);
+    this.#asked = 0;
     const { plan, codes } = this;
     if (!plan || !codes) return;
     const [W, H] = plan.sizes, known = codes[0] !== NONE;
@@ -232,12 +246,10 @@ export class ChartView {
     this.image.width = W;
     this.image.height = H;
     const c = this.image.getContext("2d");
-    const pixels = c?.createImageData(W, H);
+    const pixels = c?.createImageData(W, H), filled = this.#filled();
     for (let j = 0; pixels && j < H; j++) {
       for (let i = 0; i < W; i++) {
-        let code = codes[j * W + i];
-        for (const step of [2, 8]) if (code === NONE) code = codes[(j - (j % step)) * W + i - (i % step)];
-        const tone = shades.get(code), at = ((H - 1 - j) * W + i) * 4;
+        const tone = shades.get(filled[j * W + i]), at = ((H - 1 - j) * W + i) * 4;
         if (!tone) continue;
         pixels.data[at] = tone[0];
         pixels.data[at + 1] = tone[1];
