@@ -90,7 +90,7 @@ def test_the_pictures_of_the_oscillator(shown, address):
     seen = shown.page.evaluate("seen")
     (picture,) = seen["pictures"]
     jobs = [job for job in seen["jobs"] if job["job"] != "found"]  # what starts settle on, on a busy machine
-    first = jobs[: workers(shown, "oscillator")]
+    first = jobs[: 1 if jobs[0]["id"] == -1 else workers(shown, "oscillator")]
     assert picture["row"][OSCILLATOR.index("V")] == 0.3
     assert sum(job["columns"] * job["steps"] for job in first) == 63 * 4 * 90  # every sixteenth
     assert {job["job"] for job in first} == {"points"}  # the same orbits say how high the picture is

@@ -136,8 +136,8 @@ export class FlowView {
     if (this.key === undefined) this.search.forget();
     if (key !== this.key) {
       this.key = key;
+      this.#reduce(state, row, which, machine.described.fields[which], common); // what lies under the diagram
       this.diagram.show(spec);
-      this.#reduce(state, row, which, machine.described.fields[which], common);
     } else {
       this.diagram.draw();
       this.reduced.draw();
