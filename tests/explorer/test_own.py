@@ -27,10 +27,9 @@ from grazing.studies.basins import basins
 from grazing.studies.chart import chart
 from grazing.studies.classify import TOLERANCE
 from grazing.studies.density import density
-from tests.explorer.browser import Shown
+from tests.explorer.browser import NEEDS_AXE, Shown
 from tests.explorer.machine import KINDS, Module, classes, draw, fields_of, orbits, raster, whole
 from tests.explorer.test_kernels import followed
-from tests.explorer.test_page import AXE
 
 TEXT = """
 import math
@@ -765,12 +764,10 @@ def violations(pages, links, scheme):
         for link in links:
             page.open(link)
             page.kept = True
-            page.page.evaluate(AXE.read_text(encoding="utf-8"))
-            found = page.page.evaluate("() => axe.run()")["violations"]
-            yield link, [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
+            yield link, page.violations()
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_reports_no_violation_of_a_map(pages, map_page, scheme):
     views = ("map&web=5", "chart&chart=map", "chart&chart=map-basins")
@@ -778,7 +775,7 @@ def test_axe_reports_no_violation_of_a_map(pages, map_page, scheme):
         assert found == [], link
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 def test_axe_reports_no_violation_of_a_law(pages, rig):
     views = ("oscillator", "strobe", "chart&chart=oscillator&chart_columns=4&chart_rows=3")
     for link, found in violations(pages, [f"{rig}#{LAW}&view={view}&{SMALL}" for view in views], "dark"):
