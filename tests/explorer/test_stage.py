@@ -450,7 +450,10 @@ def test_one_key_presents_on_both_pages_and_the_stage_is_kept_on_the_way(shown, 
 
 
 #: A slider, and whether its page scrolls.
-SLIDERS = {"index.html": ".control[data-name=offset] input[type=range]", "table.html": "[name='*.V']"}
+SLIDERS = {
+    "index.html#version=2&view=ball&columns=20": ".control[data-name=offset] input[type=range]",
+    "table.html": "[name='*.V']",
+}
 
 
 @pytest.mark.parametrize("where", SLIDERS)
@@ -473,6 +476,8 @@ def test_a_finger_that_scrolls_sets_no_slider(phone, address, where):
         touch("touchMove", (x, y - 15 * i))
     touch("touchEnd")
     phone.until(f"() => scrollY > {top}")
+    here = "new Promise((done) => setTimeout(done, 100, scrollY))"
+    phone.until(f"() => {here}.then((y) => y === scrollY)")  # it goes on for a moment
     assert slider.input_value() == before
     box = slider.bounding_box()
     x, y = box["x"] + 0.2 * box["width"], box["y"] + box["height"] / 2
