@@ -566,6 +566,11 @@ def test_numbers_that_would_lead_out_of_arrays_are_refused(caller, told, model):
 # ---- in a browser
 
 
+@pytest.fixture
+def kept():
+    return True
+
+
 @contextmanager
 def opened(said, folder, known):
     """The page with what is named, for which the server computes."""
@@ -760,10 +765,9 @@ def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page,
 def violations(pages, links, scheme):
     """What axe finds of each link, in one page that goes from one to the next."""
     size = {"width": 1280, "height": 720}
-    with pages(False, viewport=size, color_scheme=scheme, reduced_motion="reduce") as page:
+    with pages(True, viewport=size, color_scheme=scheme, reduced_motion="reduce") as page:
         for link in links:
             page.open(link)
-            page.kept = True
             yield link, page.violations()
 
 
