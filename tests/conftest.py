@@ -1,6 +1,7 @@
 """What every test shares: Hypothesis' examples, and collection that costs little."""
 
 import gc
+import signal
 
 import pytest
 from _pytest.doctest import DoctestModule
@@ -12,6 +13,10 @@ from tests.examples import ALL
 settings.register_profile("thorough", deadline=None, derandomize=True, max_examples=ALL)
 settings.register_profile("quick", settings.get_profile("thorough"), max_examples=ALL // 5)
 settings.load_profile("quick")
+
+# A shell lets what it starts in the background ignore Ctrl-C, and all that this starts: tests send it, and wait.
+if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 # What collection makes stays until the end: searching it for rubbish again and again is a quarter of its time.
 gc.disable()

@@ -1,7 +1,9 @@
 """A page of the explorer in a real browser, and what it shows."""
 
+import os
 import time
 from functools import cached_property
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -10,6 +12,11 @@ from benchmarks.explorer import chromium
 
 CHROMIUM = chromium()
 SECONDS = 60
+AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_modules/axe-core/axe.min.js")
+NEEDS_AXE = pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+#: What axe finds wrong, and in which elements; to tell of all that is right takes three times as long as to look.
+WRONG = """async () => (await axe.run({ resultTypes: ["violations"] })).violations
+  .map(({ id, nodes }) => [id, nodes.map(({ html }) => html)])"""
 #: For tests of what is loaded, or of more than a link and `Shown.rest` bring back.
 LOADED = pytest.mark.parametrize("kept", [False], ids=["loaded"])
 
@@ -139,6 +146,12 @@ class Shown:
 
     def problem(self):
         return self.page.inner_text("#problem p") if self.page.is_visible("#problem") else ""
+
+    def violations(self):
+        """Return what axe finds wrong in the page as it is."""
+        if not self.page.evaluate("() => Boolean(globalThis.axe)"):
+            self.page.evaluate(AXE.read_text(encoding="utf-8"))
+        return self.page.evaluate(WRONG)
 
     def raster(self, view):
         found = self.page.evaluate(

@@ -27,10 +27,9 @@ from grazing.studies.basins import basins
 from grazing.studies.chart import chart
 from grazing.studies.classify import TOLERANCE
 from grazing.studies.density import density
-from tests.explorer.browser import Shown
+from tests.explorer.browser import NEEDS_AXE, Shown
 from tests.explorer.machine import KINDS, Module, classes, draw, fields_of, orbits, raster, whole
 from tests.explorer.test_kernels import followed
-from tests.explorer.test_page import AXE
 
 TEXT = """
 import math
@@ -567,6 +566,11 @@ def test_numbers_that_would_lead_out_of_arrays_are_refused(caller, told, model):
 # ---- in a browser
 
 
+@pytest.fixture
+def kept():
+    return True
+
+
 @contextmanager
 def opened(said, folder, known):
     """The page with what is named, for which the server computes."""
@@ -761,16 +765,13 @@ def test_the_views_of_a_map_are_those_of_the_programs_they_give(shown, map_page,
 def violations(pages, links, scheme):
     """What axe finds of each link, in one page that goes from one to the next."""
     size = {"width": 1280, "height": 720}
-    with pages(False, viewport=size, color_scheme=scheme, reduced_motion="reduce") as page:
+    with pages(True, viewport=size, color_scheme=scheme, reduced_motion="reduce") as page:
         for link in links:
             page.open(link)
-            page.kept = True
-            page.page.evaluate(AXE.read_text(encoding="utf-8"))
-            found = page.page.evaluate("() => axe.run()")["violations"]
-            yield link, [(each["id"], [node["html"] for node in each["nodes"]]) for each in found]
+            yield link, page.violations()
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_axe_reports_no_violation_of_a_map(pages, map_page, scheme):
     views = ("map&web=5", "chart&chart=map", "chart&chart=map-basins")
@@ -778,7 +779,7 @@ def test_axe_reports_no_violation_of_a_map(pages, map_page, scheme):
         assert found == [], link
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 def test_axe_reports_no_violation_of_a_law(pages, rig):
     views = ("oscillator", "strobe", "chart&chart=oscillator&chart_columns=4&chart_rows=3")
     for link, found in violations(pages, [f"{rig}#{LAW}&view={view}&{SMALL}" for view in views], "dark"):

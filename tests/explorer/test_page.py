@@ -2,10 +2,8 @@
 
 import json
 import math
-import os
 import re
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -15,7 +13,7 @@ from grazing.explorer.build import shipped
 from grazing.explorer.server import FOLDER, files
 from grazing.plot.classes import attractor_colours
 from grazing.plot.style import PERIODS
-from tests.explorer.browser import FEW, LOADED
+from tests.explorer.browser import FEW, LOADED, NEEDS_AXE
 
 PAGE = FOLDER / "page"
 #: What the pages and all they need may weigh, in bytes: 896,000, of which 69,000 are parts of d3, 226,000 the table,
@@ -450,10 +448,7 @@ def test_the_local_map_says_that_it_is_of_one_wall(shown, address):
     assert shown.problem() == "" and "two" not in shown.link() and shown.page.is_visible("#zero-time")
 
 
-AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_modules/axe-core/axe.min.js")
-
-
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize(
     "view",
@@ -473,10 +468,17 @@ AXE = Path(os.environ.get("GRAZING_AXE") or Path(__file__).parents[2] / "node_mo
 def test_axe_reports_no_violation(pages, address, view, scheme):
     with pages(True, viewport={"width": 1280, "height": 720}, color_scheme=scheme, reduced_motion="reduce") as page:
         page.open(f"{address}#version=2&view={view}")
-        if not page.page.evaluate("() => Boolean(globalThis.axe)"):
-            page.page.evaluate(AXE.read_text(encoding="utf-8"))
-        found = page.page.evaluate("() => axe.run()")["violations"]
-    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+        assert page.violations() == []
+
+
+@NEEDS_AXE
+def test_axe_reports_what_is_wrong(shown, address):
+    shown.open(f"{address}#version=2&view=edges")
+    shown.page.evaluate("() => document.querySelector('main').insertAdjacentHTML('beforeend', '<img id=bare src=x>')")
+    try:
+        assert shown.violations() == [["image-alt", ['<img id="bare" src="x">']]]
+    finally:
+        shown.page.evaluate("() => document.getElementById('bare').remove()")
 
 
 @pytest.mark.parametrize(

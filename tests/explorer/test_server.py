@@ -12,7 +12,7 @@ import sys
 import threading
 import time
 import webbrowser
-from contextlib import suppress
+from contextlib import closing, suppress
 from errno import ENOSPC
 
 import pytest
@@ -505,13 +505,15 @@ def test_the_command_says_its_address_and_ends_when_interrupted():
     settings = {**os.environ, "PYTHONPATH": str(FOLDER.parents[1])}
     command = [sys.executable, "-c", RUN]
     with subprocess.Popen(command, env=settings, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True) as run:
-        line = run.stdout.readline()
-        assert line.startswith("explorer at http://127.0.0.1:")
-        port = int(line.split(":")[2].partition("/")[0])
-        connection = http.client.HTTPConnection(HOST, port, timeout=10)
-        connection.request("GET", "/page/")
-        assert connection.getresponse().status == 200
-        run.send_signal(signal.SIGINT)
-        out, err = run.communicate(timeout=20)
-        assert (run.returncode, out, err) == (0, "", "")
-        connection.close()
+        try:
+            line = run.stdout.readline()
+            assert line.startswith("explorer at http://127.0.0.1:")
+            port = int(line.split(":")[2].partition("/")[0])
+            with closing(http.client.HTTPConnection(HOST, port, timeout=10)) as connection:
+                connection.request("GET", "/page/")
+                assert connection.getresponse().status == 200
+                run.send_signal(signal.SIGINT)
+                out, err = run.communicate(timeout=20)
+            assert (run.returncode, out, err) == (0, "", "")
+        finally:
+            run.kill()  # else whoever does not end is waited for without an end

@@ -4,8 +4,7 @@ from contextlib import ExitStack
 
 import pytest
 
-from tests.explorer.browser import FEW, LOADED
-from tests.explorer.test_page import AXE
+from tests.explorer.browser import AXE, FEW, LOADED, NEEDS_AXE
 
 VIEWS = {
     "ball": "view=ball&offset=0.1225&twin=yes&columns=60",
@@ -217,9 +216,7 @@ def test_a_narrow_screen_is_filled_too(opened, view):
       .filter((e) => e.checkVisibility() && e.getBoundingClientRect().bottom > innerHeight - 8).map((e) => e.name)"""
     assert shown.page.evaluate(cut) == []
     if AXE.exists():
-        shown.page.evaluate(AXE.read_text(encoding="utf-8"))
-        found = shown.page.evaluate("() => axe.run()")["violations"]
-        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+        assert shown.violations() == []
     shown.page.tap("#end")
     assert not presenting(shown)
 
@@ -292,16 +289,14 @@ def test_hands_do_the_same_before_a_room(shown, address):
     assert abs(after[0] - before[0]) < 4e-3 * width
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("view", ["ball", "gap", "chart", "strobe", "tour"])
 def test_axe_reports_no_violation_before_a_room(opened, view, scheme):
     shown = opened(view, color_scheme=scheme)
     shown.page.keyboard.press("p")
     shown.page.click("#more")
-    shown.page.evaluate(AXE.read_text(encoding="utf-8"))
-    found = shown.page.evaluate("() => axe.run()")["violations"]
-    assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+    assert shown.violations() == []
 
 
 # ---- as it is used
@@ -416,9 +411,7 @@ def table_before_a_room(shown, address, size, least):
         angle, speed = shown.page.evaluate("() => pinball.exits().chosen")
         assert abs(angle - x) <= right and abs(speed - y) <= up and 0 < angle < 6.3 and speed > 0
     if AXE.exists():
-        shown.page.evaluate(AXE.read_text(encoding="utf-8"))
-        found = shown.page.evaluate("() => axe.run()")["violations"]
-        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+        assert shown.violations() == []
     shown.page.keyboard.press("p")
     assert not presenting(shown)
 
@@ -457,7 +450,10 @@ def test_one_key_presents_on_both_pages_and_the_stage_is_kept_on_the_way(shown, 
 
 
 #: A slider, and whether its page scrolls.
-SLIDERS = {"index.html": ".control[data-name=offset] input[type=range]", "table.html": "[name='*.V']"}
+SLIDERS = {
+    "index.html#version=2&view=ball&columns=20": ".control[data-name=offset] input[type=range]",
+    "table.html": "[name='*.V']",
+}
 
 
 @pytest.mark.parametrize("where", SLIDERS)
@@ -480,6 +476,8 @@ def test_a_finger_that_scrolls_sets_no_slider(phone, address, where):
         touch("touchMove", (x, y - 15 * i))
     touch("touchEnd")
     phone.until(f"() => scrollY > {top}")
+    here = "new Promise((done) => setTimeout(done, 100, scrollY))"
+    phone.until(f"() => {here}.then((y) => y === scrollY)")  # it goes on for a moment
     assert slider.input_value() == before
     box = slider.bounding_box()
     x, y = box["x"] + 0.2 * box["width"], box["y"] + box["height"] / 2

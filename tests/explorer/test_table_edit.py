@@ -8,6 +8,11 @@ from grazing.billiard.table import distance
 from tests.explorer.test_table_page import GAME, hits, hold, opened, play
 
 
+@pytest.fixture
+def kept():
+    return True
+
+
 def spot(page, name):
     """Return where a disc is on the screen."""
     return page.evaluate(

@@ -9,8 +9,7 @@ import pytest
 import grazing as gz
 from grazing.billiard.distance import distance
 from grazing.explorer.table import described_tables
-from tests.explorer.browser import COARSE, LOADED
-from tests.explorer.test_page import AXE
+from tests.explorer.browser import COARSE, LOADED, NEEDS_AXE
 
 GAME = "pinball.game()"
 #: Whether all exits of the table that is shown are found.
@@ -504,7 +503,7 @@ def test_what_cannot_be_loaded_is_said(shown, address):
     assert "could not be loaded" in shown.page.inner_text("#problem p")
 
 
-@pytest.mark.skipif(not AXE.exists(), reason="no axe: sh scripts/page.sh tools brings it, where npm is")
+@NEEDS_AXE
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 @pytest.mark.parametrize("width", [390, 1280])
 def test_axe_reports_no_violation(pages, address, scheme, width):
@@ -513,9 +512,7 @@ def test_axe_reports_no_violation(pages, address, scheme, width):
         page = opened(shown, address, "#table=nothing")  # with a message
         shown.until(FOUND)
         page.evaluate("() => { pinball.plunge(0.7); pinball.split(); pinball.step(2); pinball.pause(); }")
-        page.evaluate(AXE.read_text(encoding="utf-8"))
-        found = page.evaluate("() => axe.run()")["violations"]
-        assert [(each["id"], [node["html"] for node in each["nodes"]]) for each in found] == []
+        assert shown.violations() == []
 
 
 def test_pictures_are_drawn_anew_where_they_alone_change_in_size(shown, address):
