@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from grazing.measured import downwards
 from grazing.outcome import InputError, in_one_line, shown
 from grazing.paths import path_of
-from grazing.writing import whole_file
+from grazing.writing import whole_files
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -181,9 +180,8 @@ def _tables_written(
         raise InputError(
             f"tables of dimensions {', '.join(str(dims) for dims, _names in parts)} would share a file; rename some"
         )
-    with ExitStack() as stack:  # all are written before any gets its name: those of two results do not mix
-        for (dims, names), file in zip(parts, files, strict=True):
-            part = stack.enter_context(whole_file(file))
+    with whole_files(files) as halves:  # all are written before any gets its name: those of two results do not mix
+        for (dims, names), file, part in zip(parts, files, halves, strict=True):
             try:
                 write(part, [_titled(flat, name) for name in (*dims, *names)], _pieces(flat, dims, names))
             except (
