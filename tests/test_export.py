@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import os
+import subprocess
 import sys
 import time
 
@@ -11,7 +12,7 @@ import pytest
 import xarray as xr
 
 import grazing as gz
-from grazing import InputError, export, writing
+from grazing import InputError, export, late, writing
 from grazing.export import tables, to_csv, to_parquet
 
 
@@ -98,6 +99,21 @@ def test_pieces_make_one_table(result, tmp_path, monkeypatch):
     monkeypatch.setattr(export, "ROWS", 5)
     to_csv(result, tmp_path / "pieces.csv")
     assert (tmp_path / "pieces.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
+
+
+def test_the_files_have_one_order_in_every_process(tmp_path):
+    """Tables of one size came in the order of a set, which a seed of each process decides."""
+    program = (
+        "import sys, xarray as xr\nfrom grazing.export import tables\n"
+        "print(tables(xr.Dataset({name: (name + name, [1.0, 2.0]) for name in 'abcdefgh'})))"
+    )
+    said = set()
+    for seed in ("1", "2"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        command = [sys.executable, "-c", program]
+        said.add(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout)
+    (one,) = said
+    assert one.startswith("[(('aa',), ['a']), (('bb',), ['b']),")
 
 
 def test_dimensions_in_another_order_are_put_in_order(tmp_path):
@@ -258,6 +274,8 @@ def test_parquet_that_cannot_be_written_is_said_and_leaves_nothing(result, tmp_p
     with pytest.raises(InputError, match="cannot be written"):
         to_parquet(result, tmp_path / "no" / "a.parquet")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
+    for name in ("parquet", "pyarrow"):
+        monkeypatch.delitem(vars(late), name, raising=False)
     with pytest.raises(InputError, match=r"needs pyarrow: pip install 'grazing\[parquet\]'"):
         to_parquet(result, tmp_path / "a.parquet")
     assert not list(tmp_path.iterdir())

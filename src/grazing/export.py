@@ -141,7 +141,7 @@ def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFra
     >>> gz.to_dataframe(motion, "impact").v_minus.round(3).tolist()
     [-0.192, -0.032, -0.061]
     """
-    import pandas as pd
+    from grazing.late import pandas as pd
 
     flat = _spread_names(_checked(result))
     parts = tables(flat)
@@ -243,7 +243,7 @@ def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:
     names = [str(name) for name in [*result.coords, *result.data_vars] if name not in result.dims]
     of = {name: tuple(str(dim) for dim in result[name].dims) for name in names}
     groups: list[tuple[str, ...]] = []
-    for dims in sorted(set(of.values()), key=len, reverse=True):
+    for dims in sorted(dict.fromkeys(of.values()), key=len, reverse=True):  # a set has no order that stays
         if not any(set(dims) <= set(group) for group in groups):
             groups.append(dims)
     groups = groups or [tuple(str(dim) for dim in result.dims)]
@@ -268,8 +268,7 @@ def _csv(file: Path, header: list[str], pieces: Pieces) -> None:
 
 def _parquet(file: Path, header: list[str], pieces: Pieces) -> None:
     try:
-        import pyarrow
-        from pyarrow import parquet
+        from grazing.late import parquet, pyarrow
     except ImportError:
         raise InputError("a Parquet file needs pyarrow: pip install 'grazing[parquet]'") from None
     writer = None
