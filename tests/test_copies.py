@@ -15,8 +15,11 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.billiard.outline import Outline
 from grazing.copies import alike
+from grazing.maps.columns import Columns
 from grazing.orbits.one_impact import one_impact_orbits
+from grazing.studies.graph import graph_of
 from tests.processes import python
 from tests.systems.balls import bouncing
 
@@ -394,3 +397,20 @@ def test_every_public_class_is_here():
         assert repr(pickle.loads(pickle.dumps(one))) == repr(one)
     attractor = gz.attractors(gz.orbit_diagram(gz.gap_map(0.8, 0.5, 1.0), "mu", [0.5], starts=2))[0]
     assert alike(pickle.loads(pickle.dumps(attractor)), attractor)
+
+
+def test_what_has_arrays_in_it_compares_by_value():
+    """A tuple asks whether all of an array is true or not: ValueError, even for an object and itself."""
+    m, P = gz.pinball(d=0.12), gz.gap_map(lam=0.5, mu=0.1, l=0.1)
+    made = {
+        "zdm_points": lambda u: gz.zdm_points(m, (0.02, -0.3 * u)),
+        "orbit": lambda u: P.orbit((0.01 * u,), 5),
+        "columns": lambda u: Columns(*(np.full((1, 2), u) for _ in range(6))),
+        "graph": lambda u: graph_of(P, [-0.1, 0.1 * u]),
+        "outline": lambda u: Outline("a", np.full((3, 2), u), True, False, False, "a"),
+    }
+    for make in made.values():
+        one, same, other = make(1), make(1), make(2)
+        assert one == same and not one != same and hash(one) == hash(same)
+        assert one != other and not one == other and one != tuple(one) and len({one, same, other}) == 2
+        assert copy.deepcopy(one) == one == pickle.loads(pickle.dumps(one))

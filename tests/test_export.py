@@ -1,14 +1,18 @@
 """Results as tidy tables."""
 
+import contextlib
 import csv
+import os
+import subprocess
 import sys
+import time
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import grazing as gz
-from grazing import InputError, export
+from grazing import InputError, export, late, writing
 from grazing.export import tables, to_csv, to_parquet
 
 
@@ -97,6 +101,21 @@ def test_pieces_make_one_table(result, tmp_path, monkeypatch):
     assert (tmp_path / "pieces.csv").read_bytes() == (tmp_path / "whole.csv").read_bytes()
 
 
+def test_the_files_have_one_order_in_every_process(tmp_path):
+    """Tables of one size came in the order of a set, which a seed of each process decides."""
+    program = (
+        "import sys, xarray as xr\nfrom grazing.export import tables\n"
+        "print(tables(xr.Dataset({name: (name + name, [1.0, 2.0]) for name in 'abcdefgh'})))"
+    )
+    said = set()
+    for seed in ("1", "2"):
+        environment = {**os.environ, "PYTHONHASHSEED": seed}
+        command = [sys.executable, "-c", program]
+        said.add(subprocess.run(command, env=environment, capture_output=True, text=True, check=True).stdout)
+    (one,) = said
+    assert one.startswith("[(('aa',), ['a']), (('bb',), ['b']),")
+
+
 def test_dimensions_in_another_order_are_put_in_order(tmp_path):
     data = np.arange(6.0).reshape(2, 3)
     result = xr.Dataset({"a": (("x", "y"), data), "b": (("y", "x"), data.T)})
@@ -142,6 +161,78 @@ def test_on_a_full_disk_no_table_is_that_of_another_result(result, tmp_path, mon
     assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
 
 
+@pytest.mark.parametrize("call", ["fsync", "replace"])
+@pytest.mark.parametrize("left", [1, 2])
+def test_a_disk_that_is_full_at_the_last_moment_leaves_all_tables_of_one_result(tmp_path, monkeypatch, call, left):
+    """A disk with a quota, or of another machine, may say so only then: one table was new and the other old."""
+    result = xr.Dataset({"a": ("x", [1.0, 2.0]), "b": ("y", [3.0])})
+    calls, real = [], getattr(os, call)
+
+    def full(*given, **options):
+        calls.append(given)
+        if len(calls) == left:
+            raise OSError(28, "No space left on device")
+        real(*given, **options)
+
+    for before in ({}, {file: file.read_bytes() for file in to_csv(result, tmp_path / "a.csv")}):
+        for file in tmp_path.iterdir():
+            before or file.unlink()
+        calls.clear()
+        with monkeypatch.context() as patch, pytest.raises(InputError, match=r"a.csv, .*a-y.csv cannot be written: No"):
+            patch.setattr(os, call, full)
+            to_csv(result + 1.0, tmp_path / "a.csv")
+        assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
+        to_csv(result, tmp_path / "a.csv")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="forks")
+def test_tables_of_two_processes_that_write_the_same_do_not_mix(tmp_path, monkeypatch):
+    """The first gives its first table a name, and waits before the second one until the other process is done."""
+    real, number = os.replace, iter([])
+
+    def seen(name):
+        end = time.monotonic() + 0.5  # the other one may have to wait for us
+        while not (tmp_path / name).exists() and time.monotonic() < end:
+            time.sleep(0.01)
+
+    def slow(part, target):
+        real(part, target)
+        if next(number, None) == 0:
+            (tmp_path / "begun").touch()
+            seen("ended")
+
+    monkeypatch.setattr(os, "replace", slow)
+    children = []
+    for value in (1.0, 2.0):
+        if not (child := os.fork()):
+            if value == 1.0:
+                number = iter([0])
+            else:
+                seen("begun")
+            with contextlib.suppress(BaseException):
+                to_csv(xr.Dataset({"a": ("x", [value]), "b": ("y", [value] * 2)}), tmp_path / "a.csv")
+                (tmp_path / "ended").touch()
+            os._exit(0)
+        children.append(child)
+    for child in children:
+        os.waitpid(child, 0)
+    assert (tmp_path / "begun").exists() and (tmp_path / "ended").exists()
+    assert read(tmp_path / "a.csv")[0]["a"] == read(tmp_path / "a-y.csv")[0]["b"]
+
+
+def test_a_folder_that_another_process_holds_is_said(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+    monkeypatch.setattr(writing, "TURN", 0.05)
+    handle = os.open(tmp_path, os.O_RDONLY)
+    fcntl.flock(handle, fcntl.LOCK_EX)
+    try:
+        with pytest.raises(InputError, match=r"has been locked by another process for 0.05 s; end it, or wait"):
+            to_csv(xr.Dataset({"a": ("x", [1.0]), "b": ("y", [1.0])}), tmp_path / "a.csv")
+    finally:
+        os.close(handle)
+    assert not [*tmp_path.iterdir()]
+
+
 def parquet(file):
     from pyarrow import parquet
 
@@ -183,6 +274,8 @@ def test_parquet_that_cannot_be_written_is_said_and_leaves_nothing(result, tmp_p
     with pytest.raises(InputError, match="cannot be written"):
         to_parquet(result, tmp_path / "no" / "a.parquet")
     monkeypatch.setitem(sys.modules, "pyarrow", None)
+    for name in ("parquet", "pyarrow"):
+        monkeypatch.delitem(vars(late), name, raising=False)
     with pytest.raises(InputError, match=r"needs pyarrow: pip install 'grazing\[parquet\]'"):
         to_parquet(result, tmp_path / "a.parquet")
     assert not list(tmp_path.iterdir())

@@ -203,6 +203,7 @@ def circles(source: Path) -> list[set[str]]:
     return [one for i, one in enumerate(found) if one not in found[:i]]
 
 
+AS_A_WHOLE = {"pandas", "pyarrow", "scipy", "xarray"}
 HEAVY = "from grazing.late import xarray as xr"
 LATE = (
     "it takes a fifth of what a first command waits for, and an interrupt must not cut it short: take it from "
@@ -228,7 +229,7 @@ def violations(source: Path) -> list[str]:
             for target, binds_module in targets(node, package, modules):
                 said = complaint(importer, target, binds_module)
                 inside = node.col_offset > 0
-                here = target == "xarray" or (target.startswith("scipy") and not inside)
+                here = target.split(".")[0] in AS_A_WHOLE or target == "zarr"  # whose parts come with it
                 if (here and importer != "grazing.late") or (ast.unparse(node) == HEAVY and not inside):
                     said = said or LATE
                 if said:
@@ -349,6 +350,10 @@ def plant(source, texts):
         ("cli/main", "from scipy.optimize import brentq", "cli may not import scipy"),
         ("orbits/curves", "from scipy.optimize import brentq", "take it from grazing.late, where it is called"),
         ("orbits/curves", "def f():\n  import xarray as xr", "an interrupt must not cut it short"),
+        ("io", "def f():\n  from xarray.backends import ScipyDataStore", "an interrupt must not cut it short"),
+        ("io", "def f():\n  from scipy.io import netcdf_file", "an interrupt must not cut it short"),
+        ("export", "def f():\n  from pyarrow import parquet", "an interrupt must not cut it short"),
+        ("sweep/template", "def f():\n  import zarr", "an interrupt must not cut it short"),
         ("orbits/curves", "from grazing.late import xarray as xr", "where it is called"),
         ("maps/map", "from grazing.oscillator.model import O", "grazing.maps.map serves every system: ask the origin"),
         ("studies/chart", "def f():\n  from grazing.systems.contract import S", "grazing.studies.chart serves every"),

@@ -15,13 +15,14 @@ from importlib import import_module
 from importlib.util import MAGIC_NUMBER, find_spec
 from operator import attrgetter
 from types import BuiltinFunctionType, FunctionType
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
 from grazing.kernel.content import below, coded, content, digest, frozen, reached
 from grazing.outcome import InputError, raised
 
+_Tuple = TypeVar("_Tuple", bound=tuple[Any, ...])
 #: How the modules begin that a user's file is run as: no other process finds them by name.
 OWN_MODULE = "_grazing_own_"
 
@@ -37,6 +38,19 @@ class ByValue:
     def __hash__(self) -> int:
         # equal functions lie at places of their own, which their texts tell
         return hash((type(self).__name__, re.sub(" at 0x[0-9a-fA-F]+", "", repr(self))))
+
+
+def by_value(kind: type[_Tuple]) -> type[_Tuple]:
+    """Let named tuples with arrays in them compare by value: a tuple asks whether all of an array is true or not."""
+    kind.__eq__ = alike  # type: ignore[method-assign]
+    kind.__ne__ = lambda one, other: not alike(one, other)  # type: ignore[method-assign]
+    kind.__hash__ = _hash_of_shapes  # type: ignore[method-assign, assignment]
+    return kind
+
+
+def _hash_of_shapes(value: tuple[Any, ...]) -> int:
+    """Return a hash of what equal tuples have in common, whichever zero or NaN stands in them."""
+    return hash((type(value).__name__, *(getattr(part, "shape", type(part).__name__) for part in value)))
 
 
 def _parts(value: Any) -> list[Any]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import os
 from collections.abc import Callable, Iterator
-from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -15,7 +14,7 @@ from numpy.typing import NDArray
 from grazing.measured import downwards
 from grazing.outcome import InputError, in_one_line, shown
 from grazing.paths import path_of
-from grazing.writing import whole_file
+from grazing.writing import whole_files
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -142,7 +141,7 @@ def to_dataframe(result: xr.Dataset, dimension: str | None = None) -> pd.DataFra
     >>> gz.to_dataframe(motion, "impact").v_minus.round(3).tolist()
     [-0.192, -0.032, -0.061]
     """
-    import pandas as pd
+    from grazing.late import pandas as pd
 
     flat = _spread_names(_checked(result))
     parts = tables(flat)
@@ -181,9 +180,8 @@ def _tables_written(
         raise InputError(
             f"tables of dimensions {', '.join(str(dims) for dims, _names in parts)} would share a file; rename some"
         )
-    with ExitStack() as stack:  # all are written before any gets its name: those of two results do not mix
-        for (dims, names), file in zip(parts, files, strict=True):
-            part = stack.enter_context(whole_file(file))
+    with whole_files(files) as halves:  # all are written before any gets its name: those of two results do not mix
+        for (dims, names), file, part in zip(parts, files, halves, strict=True):
             try:
                 write(part, [_titled(flat, name) for name in (*dims, *names)], _pieces(flat, dims, names))
             except (
@@ -245,7 +243,7 @@ def tables(result: xr.Dataset) -> list[tuple[tuple[str, ...], list[str]]]:
     names = [str(name) for name in [*result.coords, *result.data_vars] if name not in result.dims]
     of = {name: tuple(str(dim) for dim in result[name].dims) for name in names}
     groups: list[tuple[str, ...]] = []
-    for dims in sorted(set(of.values()), key=len, reverse=True):
+    for dims in sorted(dict.fromkeys(of.values()), key=len, reverse=True):  # a set has no order that stays
         if not any(set(dims) <= set(group) for group in groups):
             groups.append(dims)
     groups = groups or [tuple(str(dim) for dim in result.dims)]
@@ -270,8 +268,7 @@ def _csv(file: Path, header: list[str], pieces: Pieces) -> None:
 
 def _parquet(file: Path, header: list[str], pieces: Pieces) -> None:
     try:
-        import pyarrow
-        from pyarrow import parquet
+        from grazing.late import parquet, pyarrow
     except ImportError:
         raise InputError("a Parquet file needs pyarrow: pip install 'grazing[parquet]'") from None
     writer = None

@@ -103,7 +103,7 @@ class _Bytes(np.ndarray):
 
 def _write(stored: xr.Dataset, part: Path) -> None:
     """Write a dataset to a file."""
-    from xarray.backends import ScipyDataStore
+    from grazing.late import ScipyDataStore
 
     store = ScipyDataStore(str(part), "w", "NETCDF3_64BIT")
     try:
@@ -181,8 +181,7 @@ class _Once(io.BufferedReader):
 
 
 def _read(file: _Once, source: Path) -> xr.Dataset:
-    from xarray.backends import ScipyDataStore
-
+    from grazing.late import ScipyDataStore
     from grazing.late import xarray as xr
 
     store = ScipyDataStore(file)
@@ -329,7 +328,7 @@ def _encoded_attrs(attrs: dict[Hashable, Any], where: str, record: dict[str, str
 @cache
 def _of_scipy() -> set[str]:
     """Return what SciPy's files and variables have themselves: it takes an attribute of that name for that."""
-    from scipy.io import netcdf_file
+    from grazing.late import netcdf_file
 
     with netcdf_file(io.BytesIO(), "w") as file:
         return {*dir(file), *dir(file.createVariable("x", "i", ()))}

@@ -8,20 +8,42 @@ from typing import TYPE_CHECKING, Any
 from grazing.interrupt import held_back
 
 if TYPE_CHECKING:
+    import pandas as pandas
+    import pyarrow as pyarrow
     import xarray as xarray
+    import zarr as zarr
+    from pyarrow import parquet as parquet
     from scipy import optimize as optimize
     from scipy import signal as signal
+    from scipy.io import netcdf_file as netcdf_file
+    from scipy.io import wavfile as wavfile
+    from xarray.backends import ScipyDataStore as ScipyDataStore
 
 #: What each is called where it comes from: a part of SciPy is a fifth of what a first command waits for.
-PACKAGES = {"optimize": "scipy.optimize", "signal": "scipy.signal", "xarray": "xarray"}
+PACKAGES = {
+    "ScipyDataStore": "xarray.backends:ScipyDataStore",
+    "netcdf_file": "scipy.io:netcdf_file",
+    "optimize": "scipy.optimize",
+    "pandas": "pandas",
+    "parquet": "pyarrow.parquet",
+    "pyarrow": "pyarrow",
+    "signal": "scipy.signal",
+    "wavfile": "scipy.io.wavfile",
+    "xarray": "xarray",
+    "zarr": "zarr",
+}
 
 
 def __getattr__(name: str) -> Any:
     if name not in PACKAGES:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     with held_back():
-        module = import_module(PACKAGES[name])
+        module, _, part = PACKAGES[name].partition(":")
+        found: Any = import_module(module)
         if name == "xarray":
-            module.DataArray([0.0], {"x": [0.0]}, ["x"])  # for which it imports others, such as Dask
-        globals()[name] = module
-    return module
+            found.DataArray([0.0], {"x": [0.0]}, ["x"])  # for which it imports others, such as Dask
+        if name == "ScipyDataStore":
+            found.list_engines()  # whose modules xarray imports when it opens the first file
+        found = getattr(found, part) if part else found
+        globals()[name] = found
+    return found

@@ -7,12 +7,14 @@ import re
 import socket
 import stat
 import tempfile
+import time
 import zlib
-from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
+from grazing.interrupt import held_back
 from grazing.outcome import InputError
 from grazing.paths import path_of
 
@@ -25,6 +27,8 @@ except ImportError:  # pragma: no cover  (Windows: the age decides)
 PARTIAL = re.compile(r"\.(?P<machine>[0-9a-f]{8})[0-9a-f]{24}\.partial")
 #: Seconds after which what has not changed was left, where no lock tells.
 OLD = 3600.0
+#: Seconds for which another process may give files their names before we give up.
+TURN = 30.0
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL
 _FOUND = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
 #: Whether a file is asked for with the rights that this process has now.
@@ -43,22 +47,89 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
     InputError
         If it cannot be written; what was there stays.
     """
-    target = path_of(path)
-    if os.path.isdir(target):
-        raise InputError(f"{target} is a folder; give the name of a file")
-    if kind := other_than_file(target):
-        raise InputError(f"{target} is a {kind}, which a file would replace; give the name of a file")
+    with whole_files([path]) as (part,):
+        yield part
+
+
+@contextmanager
+def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
+    """Do what :func:`whole_file` does for files of one folder that belong together: all get their names, or none.
+
+    Who writes the same files at the same time gives them before or after, not in between.
+
+    Raises
+    ------
+    InputError
+        If one cannot be written; what was there stays.
+    """
+    targets = [path_of(path) for path in paths]
+    for target in targets:
+        if os.path.isdir(target):
+            raise InputError(f"{target} is a folder; give the name of a file")
+        if kind := other_than_file(target):
+            raise InputError(f"{target} is a {kind}, which a file would replace; give the name of a file")
     try:
-        if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=EFFECTIVE):
-            raise InputError(f"{target} is protected against writing; give another name")
-        remove_left(target.parent)
-        with _part(target, 0o666) as part:
-            yield part
-            with open(part, "rb+") as written:  # else a power cut can leave the name to nothing
-                os.fsync(written.fileno())
-            os.replace(part, target)
+        for target in targets:
+            if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=EFFECTIVE):
+                raise InputError(f"{target} is protected against writing; give another name")
+        remove_left(targets[0].parent)
+        with ExitStack() as stack:
+            parts = [stack.enter_context(_part(target, 0o666)) for target in targets]
+            yield parts
+            for part in parts:
+                with open(part, "rb+") as written:  # else a power cut can leave the name to nothing
+                    os.fsync(written.fileno())
+            _named(parts, targets)
     except OSError as error:
-        raise InputError(f"{target} cannot be written: {error.strerror or error}; choose another folder") from error
+        names = ", ".join(map(str, targets))
+        raise InputError(f"{names} cannot be written: {error.strerror or error}; choose another folder") from error
+
+
+def _named(parts: list[Path], targets: list[Path]) -> None:
+    """Give files that are complete their names: several to all of them or to none."""
+    if len(targets) == 1:
+        os.replace(parts[0], targets[0])
+        return
+    with _in_turn(targets[0].parent), held_back(), ExitStack() as done, ExitStack() as undo:
+        for part, target in zip(parts, targets, strict=True):
+            old = target.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
+            done.callback(_unlink, old)
+            try:
+                os.link(target, old, follow_symlinks=False)
+                undo.callback(os.replace, old, target)
+            except FileNotFoundError:
+                undo.callback(_unlink, target)
+            except OSError:  # another user's, or a disk without links: it cannot be had back
+                pass
+            os.replace(part, target)
+        undo.pop_all()
+
+
+def _unlink(file: Path) -> None:
+    with suppress(OSError):
+        file.unlink(missing_ok=True)
+
+
+@contextmanager
+def _in_turn(folder: Path) -> Iterator[None]:
+    """Let no other process give names in a folder meanwhile, where the system can tell."""
+    if fcntl is None:  # pragma: no cover
+        yield
+        return
+    try:
+        handle = os.open(folder, os.O_RDONLY)
+    except PermissionError:  # a folder that is written to and not read
+        yield
+        return
+    try:
+        end = time.monotonic() + TURN
+        while _lock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB) is False:
+            if time.monotonic() > end:
+                raise InputError(f"{folder} has been locked by another process for {TURN:g} s; end it, or wait")
+            time.sleep(0.01)
+        yield
+    finally:
+        os.close(handle)
 
 
 def other_than_file(path: str | os.PathLike[str]) -> str:

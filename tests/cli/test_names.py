@@ -88,3 +88,11 @@ def test_a_letter_that_the_output_lacks_is_quoted_by_its_bytes(monkeypatch):
     assert quoted("\u6f22.svg") == r"$'\346\274\242.svg'"
     monkeypatch.setattr("sys.stdout", None)
     assert quoted("\u6f22.svg") == "'\u6f22.svg'"
+
+
+@pytest.mark.parametrize("option", ["--model", "--map"])
+def test_a_file_whose_name_is_in_another_encoding_is_said(capsys, option):
+    """As in the C locale; what was said is how pydantic reads a text."""
+    assert main(["diagram", "mu=0:0.1:4", option, "m\udcc3\udcb6del.py:make"]) == 2
+    said = capsys.readouterr().err
+    assert "rename the file, or choose a locale of UTF-8" in said and "raw data" not in said

@@ -224,3 +224,19 @@ def test_ctrl_c_keeps_what_is_done_and_says_how_to_go_on(folder, capsys):
     again.communicate(timeout=60)
     assert again.returncode == 3
     assert json.loads(said(capsys, 3, "status", "a.zarr", "--json"))["chunks_done"] >= found["chunks_done"]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="pipes of POSIX")
+@pytest.mark.parametrize("command", [("status",), ("status", "--json"), ("verify", "-q")])
+def test_a_reader_that_has_left_does_not_make_a_store_complete(command):
+    """It had the exit code 0, by which a script took it for complete."""
+    assert main(["sweep", "run", "study.toml", "a.zarr", "--shard", "1/2", "--chunk", "7", "-q"]) == 3
+    reader, writer = os.pipe()
+    os.close(reader)
+    environment = {**os.environ, "PYTHONPATH": str(SOURCE)}
+    run = subprocess.run(
+        [sys.executable, "-m", "grazing", "sweep", command[0], "a.zarr", *command[1:]],
+        stdout=writer, stderr=subprocess.PIPE, env=environment, check=False,
+    )  # fmt: skip
+    os.close(writer)
+    assert run.returncode == 3 and not run.stderr

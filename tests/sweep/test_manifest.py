@@ -5,6 +5,7 @@ import json
 import os
 import shutil
 import zipfile
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -15,7 +16,7 @@ import zarr
 import grazing as gz
 from grazing import sweep
 from grazing.studies.plan import run_plan
-from grazing.sweep import manifest
+from grazing.sweep import manifest, same
 from grazing.sweep.codec import decode, encode
 from grazing.sweep.opened import open_existing
 from tests.sweep.plans import files, plan
@@ -236,6 +237,23 @@ def test_a_store_of_version_0_1_is_neither_gone_on_with_nor_repaired(unbound):
     with pytest.raises(gz.InputError, match=r"has no manifest to repair it from"):
         sweep.verify(unbound, plan=plan(3), other_code=True, repair=True)
     assert {**files(unbound), "done/c/1": b"\1"} == before
+
+
+def test_other_code_is_not_offered_where_it_does_not_help(unbound, monkeypatch):
+    """Its arrays are others: --other-code was advised, and refused in its turn."""
+    laid_out = same.laid_out
+
+    def another(some, grid):
+        layout, specs = laid_out(some, grid)
+        return replace(layout, variables={**layout.variables, "more": "n"}), specs
+
+    with pytest.raises(same.OtherCodeError, match="--other-code"):
+        sweep.verify(unbound, plan=plan(3))
+    monkeypatch.setattr(same, "laid_out", another)
+    for allowed in (False, True):
+        with pytest.raises(gz.InputError, match=r"stored other arrays; give another folder") as said:
+            sweep.verify(unbound, plan=plan(3), other_code=allowed)
+        assert "other-code" not in str(said.value)
 
 
 def test_a_bound_store_does_not_pass_for_an_unbound_one(store):

@@ -10,11 +10,13 @@ from numpy.typing import NDArray
 
 from grazing.billiard.flippers import points_of
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER, Thing
+from grazing.copies import by_value
 
 #: Points of a full circle.
 POINTS = 181
 
 
+@by_value
 class Outline(NamedTuple):
     """An object as a figure shows it: a line, whether it is closed, kicks or is a drain, and where its name stands."""
 

@@ -6,7 +6,7 @@ import json as text
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager, nullcontext
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import asdict
 from functools import partial
 from pathlib import Path
@@ -313,6 +313,7 @@ def _report(status: Any, json: bool, hint: bool = True) -> int:
 
 
 def _say(summary: Mapping[str, Any], words: str, json: bool) -> int:
-    print(text.dumps(summary, default=str) if json else printable(words))
-    sys.stdout.flush()
+    with suppress(BrokenPipeError):  # who reads no further may still ask for the exit code
+        print(text.dumps(summary, default=str) if json else printable(words))
+        sys.stdout.flush()
     return DONE

@@ -111,6 +111,11 @@ def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
         return Problem(path, f"{path[-1]} = {shown(got)}; give a table")
     if kind == "string_type":
         return Problem(path, f"{path[-1]} = {shown(got)}; give a text")
+    if kind == "string_unicode":  # as Python reads a name in another encoding than that of the system
+        why = (
+            "has bytes that are no letters in the encoding of this system; rename the file, or choose a locale of UTF-8"
+        )
+        return Problem(path, f"{path[-1]} = {shown(got)} {why}")
     return Problem(path, f"{path[-1]} = {shown(got)}: {item['msg']}")
 
 

@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.copies import by_value
 from grazing.kernel.compile import call
 from grazing.outcome import DIVERGED, FATAL, InputError, listed, shown
 from grazing.parameter import in_order
@@ -26,6 +27,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+@by_value
 class Columns(NamedTuple):
     """Orbits of a map at many parameter values, the columns.
 

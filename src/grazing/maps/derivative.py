@@ -10,6 +10,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.copies import by_value
 from grazing.kernel.compile import compiled
 from grazing.kernel.lanes import column, put, unpacker
 from grazing.kernel.primitives import inlined, replaced
@@ -26,6 +27,7 @@ WIDE = 1000.0
 KINK, JUMP = 1e-3, 4.0
 
 
+@by_value
 class Derived(NamedTuple):
     """The derivative of a map's step in the form in which it is compiled.
 

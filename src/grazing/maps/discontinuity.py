@@ -14,6 +14,7 @@ from typing import Any, ClassVar, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.copies import by_value
 from grazing.maps.derivative import extended, stepping
 from grazing.maps.map import Map
 from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
@@ -245,6 +246,7 @@ def zero_time_of(law: Callable[..., float]) -> Callable[..., Any]:
     return zero_time
 
 
+@by_value
 class ZeroTime(NamedTuple):
     """The zero-time map of one state: points (4, 2), rows (U0, V0) to (U3, V3); delta; A; x = v^2 - 2A(u - sigma)."""
 

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from grazing.copies import ByValue, alike, packed, plain
+from grazing.copies import ByValue, alike, by_value, packed, plain
 from grazing.kernel.compile import FLAGS, call
 from grazing.kernel.lanes import runner
 from grazing.maps.bordered import Formulas, Images, formulas, step_of, tried
@@ -89,6 +89,7 @@ def _checked_escape(escape: Any) -> float:
     return INFINITY if nowhere else ESCAPE.check(escape)
 
 
+@by_value
 class Segment(NamedTuple):
     """A piece of an orbit: points (n + 1, dim) with the start in row 0; letters (n,) and outcomes (n,) of the steps.
 

@@ -65,7 +65,7 @@ def to_wav(
     ...     gz.to_wav(tr, pathlib.Path(folder) / "bumper.wav", speed=440 * m.period).stat().st_size
     60182
     """
-    from scipy.io import wavfile
+    from grazing.late import wavfile
 
     target = path_of(path)
     if target.suffix.lower() != ".wav":

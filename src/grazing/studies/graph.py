@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from grazing.copies import by_value
 from grazing.maps.discontinuity import ORDERS, discontinuity_map
 from grazing.maps.map import Map
 from grazing.outcome import InputError, shown
@@ -25,6 +26,7 @@ Ints = NDArray[np.int64]
 TAKEN = ("map", "letter", "outcome")
 
 
+@by_value
 class Graph(NamedTuple):
     """Starts along one coordinate, their images, shape (n, dim), and letters; made by :func:`graph_of`."""
 

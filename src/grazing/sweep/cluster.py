@@ -9,6 +9,7 @@ from contextlib import contextmanager
 from importlib import import_module
 from typing import Any
 
+from grazing.interrupt import held_back
 from grazing.outcome import InputError, in_one_line, shown
 from grazing.parameter import whole
 
@@ -126,7 +127,8 @@ def _imported(name: str) -> Any:
     """Return a package that only clusters need."""
     ours = signal.getsignal(signal.SIGINT)
     try:
-        return import_module(name)
+        with held_back():
+            return import_module(name)
     except ImportError as error:
         raise InputError(
             f"a cluster needs packages that are not installed ({error}); pip install 'grazing[cluster]'"

@@ -47,6 +47,10 @@ def refuse_another(store: Store, plan: Plan, chunk: Chunk = None, other_code: bo
             f"{store.path} holds another sweep: {listed(*config)}. Give the values that it was begun with, "
             f"or another folder"
         )
+    layout, specs = laid_out(plan, store.grid)
+    same = replace(layout, format=store.layout.format).text() == store.layout.text()
+    if not same or any((spec.dims, spec.shape, spec.kind) != _form(store.arrays[name]) for name, spec in specs.items()):
+        raise InputError(f"{store.path} was begun by another version, which stored other arrays; give another folder")
     begun, now = store.begun_by, made_by(plan)
     other = {key for key in begun if begun[key] != now.get(key)}
     if other and not other_code:
@@ -59,10 +63,6 @@ def refuse_another(store: Store, plan: Plan, chunk: Chunk = None, other_code: bo
     if chunk is not None and grid_of(plan, chunk).chunk != store.grid.chunk:
         sizes = ", ".join(f"{name}: {size}" for name, size in zip(plan.axes, store.grid.chunk, strict=True))
         raise InputError(f"{store.path} was begun with chunks of {{{sizes}}}, which stay; leave chunk out")
-    layout, specs = laid_out(plan, store.grid)
-    same = replace(layout, format=store.layout.format).text() == store.layout.text()
-    if not same or any((spec.dims, spec.shape, spec.kind) != _form(store.arrays[name]) for name, spec in specs.items()):
-        raise InputError(f"{store.path} was begun by another version, which stored other arrays; give another folder")
 
 
 def _form(spec: Spec) -> tuple[tuple[str, ...], tuple[int, ...], str]:

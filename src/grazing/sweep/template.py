@@ -105,7 +105,7 @@ def attrs_of_all(plan: Plan, layout: Layout) -> dict[str, Any]:
 
 def write_template(folder: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
     """Write the metadata of all arrays, the numbers of the coordinates, and what the manifest says of both."""
-    import zarr
+    from grazing.late import zarr
 
     layout, specs = laid_out(plan, grid)
     attrs = attrs_of_all(plan, layout) | {LAYOUT: layout.text()}
