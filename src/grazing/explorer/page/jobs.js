@@ -161,11 +161,11 @@ export function points(machine, { row, which, values, coordinate, starts, transi
   return { seen, box: machine.call("boxes", { columns, rows }, ["boxes"]).boxes.slice(2 * coordinate, 2 * coordinate + 2) };
 }
 
-/** Where points are, and a little more. @param {ReturnType<typeof points>[]} found @returns {[number, number]} */
+/** Where points are, and a little more. @param {({from: number} & ReturnType<typeof points>)[]} found @returns {[number, number]} */
 export function extent(found) {
   let low = Infinity, high = -Infinity;
   for (const { seen } of found) for (const x of seen.filter(Number.isFinite)) [low, high] = [Math.min(low, x), Math.max(high, x)];
-  if (!(low <= high)) [low, high] = found[0].box;
+  if (!(low <= high)) [low, high] = found.sort((a, b) => a.from - b.from)[0].box;
   const room = 0.05 * (high - low) || 1e-3 * (Math.abs(high) || 1);
   return outwards(low - room, high + room);
 }
