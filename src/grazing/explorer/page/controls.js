@@ -93,7 +93,9 @@ export function slider(field, [low, high], change, problem) {
   const lift = (/** @type {PointerEvent} */ event) => {
     if (!held || Math.abs(event.clientX - held.x) < ACROSS) return;
     if (!Number.isNaN(held.x)) [held.x, held.y] = [NaN, event.clientY];
-    held.up = Math.round(held.y - event.clientY);
+    const up = Math.round(held.y - event.clientY);
+    if (up === held.up) return; // what goes across is an input of the slider itself
+    held.up = up;
     slide(held.across + held.up * fine(), fine());
   };
   const leave = () => {

@@ -50,8 +50,9 @@ export class Machine {
   }
 
   /**
-   * Call a function. `given` holds sizes, numbers and the arrays that are read; arrays left out begin with zeros.
-   * Returns copies of the arrays named in `wanted`, in those of `into` where these are, and `result`.
+   * Call a function. `given` holds sizes, numbers and the arrays that are read; arrays left out begin with zeros,
+   * but those of `into`, which a function fills. Returns copies of the arrays named in `wanted`, in those of `into`
+   * where these are, and `result`.
    * @template {keyof Arrays} [Name=never]
    * @param {string} name
    * @param {Given} given
@@ -83,10 +84,10 @@ export class Machine {
     const memory = this.exports.memory;
     const missing = Math.ceil(free / PAGE) - memory.buffer.byteLength / PAGE;
     if (missing > 0) memory.grow(missing);
-    for (const { view, place, length, array } of places) {
+    for (const { key, view, place, length, array } of places) {
       const there = new view(memory.buffer, place, length);
       if (array) there.set(/** @type {never} */ (array));
-      else there.fill(/** @type {never} */ (view === BigInt64Array ? 0n : 0));
+      else if (!(key in into)) there.fill(/** @type {never} */ (view === BigInt64Array ? 0n : 0));
     }
     this.exports.arena(free);
     /** @type {Record<string, any>} */
