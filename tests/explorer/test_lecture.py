@@ -74,7 +74,7 @@ def chatter(shown, _then, _see):
 def table(shown, _then, _see):
     shown.until("() => globalThis.pinball?.game()")
     shown.page.evaluate(COARSE)
-    assert shown.page.inner_text("#note").startswith("Launch a ball and split it.")
+    assert shown.page.inner_text("#note").startswith("Launch a ball and split it")
     shown.page.keyboard.down(" ")
     shown.page.wait_for_timeout(200)
     shown.page.keyboard.up(" ")
