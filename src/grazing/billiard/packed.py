@@ -318,7 +318,7 @@ def repeated(w: Any, n: int, first: int, last: int) -> None:
 
 @inlined
 def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: float) -> int:
-    """Ask how long circles are surely not met: the least STEP and its circle. Return how many pairs are on the list.
+    """Ask how long circles are surely not met: the least STEP and its pair. Return how many pairs are on the list.
 
     Those are all pairs of a ball and a circle that may be met before what was found, each with its own step.
     """
@@ -327,16 +327,21 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
         row = behind(rows, WIDTH * c)
         far = max(far, abs(row[PX]) + abs(row[PY]) + row[SIZE])
     bounds(w, width, far, g)
-    n = 0
+    n, first, steps = 0, 0, W.PAIRS + LANES * circles
     for c in range(circles):
-        row = behind(rows, WIDTH * c)
+        row, before = behind(rows, WIDTH * c), n
         px, py, size, surface = row[PX], row[PY], row[SIZE], 1.0 * (base + c)
         near(w, width, px, py, size, surface, g)
         for b in range(0, width, 8):
             n += listed(w, W.PAIRS + n, W.ONE + b, 1.0 * (LANES * c + b))
-    steps = W.PAIRS + LANES * circles
-    for first in range(0, n, LANES):
-        first_steps(w, first, min(LANES, n - first), steps, base, rows, g)
+        if n - first > LANES:
+            first_steps(w, first, before - first, steps, g)
+            first = before
+        for k in range(before - first, n - first):
+            i = int(w[W.PAIRS + first + k]) - LANES * c
+            gather(w, k, i, px, py, size)
+            w[W.PEX + k], w[W.PEY + k] = w[W.PART + i], 1.0 if w[W.LAST + i] == surface else 0.0
+    first_steps(w, first, n - first, steps, g)
     return n
 
 
@@ -355,7 +360,8 @@ def bounds(w: Any, width: int, far: float, g: float) -> None:
 def near(w: Any, width: int, px: float, py: float, size: float, surface: float, g: float) -> None:
     """Set ONE for those balls that may meet a circle before what was found.
 
-    For others :func:`grazing.billiard.gaps.first_step` has no root, or one that is later by far more than rounding.
+    For others :func:`grazing.billiard.gaps.first_step` has no root, or one that is later by far more than rounding. A
+    circle that was just left has none where k is not negative.
     """
     size2 = (1.0 + 4.0 * GAP * EPS) * size * size
     for k in range(width):
@@ -368,45 +374,37 @@ def near(w: Any, width: int, px: float, py: float, size: float, surface: float, 
         misses = (dh * dh < FAR * bend * h) | (dh >= 0.0)
         later = h + (dh + most) * end >= SHARE * (abs(dh) + abs(most)) * end
         later = later & ((bend <= 0.0) | (dh + 2.0 * most <= 0.0))
-        clear = (h > 0.0) & ((misses & (bend >= 0.0)) | later) & (w[W.LAST + i] != surface)
-        w[W.ONE + i] = 0.0 if clear else 1.0
+        left, clear = w[W.LAST + i] == surface, (h > 0.0) & ((misses & (bend >= 0.0)) | later)
+        w[W.ONE + i] = 0.0 if (left & (bend >= 0.0)) | (clear & (not left)) else 1.0
 
 
-@inlined
-def first_steps(w: Any, first: int, n: int, steps: int, base: int, rows: Any, g: float) -> None:
-    """Ask of some pairs on the list how long they are surely apart."""
-    for k in range(n):
-        i, c = ball_and_circle(w, first + k)
-        gather(w, k, i, c, rows)
-        w[W.PEX + k], w[W.PEY + k] = w[W.PART + i], 1.0 if w[W.LAST + i] == base + c else 0.0
+def first_steps(w: Any, first: int, n: int, steps: int, g: float) -> None:
+    """Ask of pairs on the list, which were gathered, how long they are surely apart."""
     repeated(w, n, W.DX, W.PWHO)
     for k in range((n + 7) // 8 * 8):
         i = eights(k)
         step, said = first_step(
             w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], w[W.PEY + i] > 0.0, w[W.PEX + i]
         )
-        w[W.PTIME + i], w[W.SAID + i] = step, 1.0 if said != OK else 0.0
+        w[steps + first + i], w[W.SAID + i] = step, 1.0 if said != OK else 0.0
     for k in range(n):
-        i, c = ball_and_circle(w, first + k)
-        step, least = w[W.PTIME + k], w[W.STEP + i]
-        w[steps + first + k] = step
-        w[W.FIRST + i if step < least else W.S] = 1.0 * c  # without a branch
+        pair = w[W.PAIRS + first + k]
+        i, step = int(pair) % LANES, w[steps + first + k]
+        least = w[W.STEP + i]
+        w[W.FIRST + i if step < least else W.S] = pair  # without a branch
         w[W.STEP + i] = min(least, step)
+    doubt = 0
+    for k in range((n + 7) // 8 * 8):
+        doubt |= 1 if w[W.SAID + eights(k)] > 0.0 else 0
+    for k in range(n if doubt != 0 else 0):
+        i = int(w[W.PAIRS + first + k]) % LANES
         w[W.DOUBT + i] = max(w[W.DOUBT + i], w[W.SAID + k])
 
 
 @inlined
-def ball_and_circle(w: Any, k: int) -> Any:
-    """Return which ball and which circle a pair on the list is."""
-    pair = int(w[W.PAIRS + k])
-    return pair % LANES, pair // LANES
-
-
-@inlined
-def gather(w: Any, k: int, i: int, c: int, rows: Any) -> None:
+def gather(w: Any, k: int, i: int, px: float, py: float, size: float) -> None:
     """Put a ball as seen from a circle to a place."""
-    row = behind(rows, WIDTH * c)
-    w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
+    w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - px, w[W.Y + i] - py, size
     w[W.PVX + k], w[W.PVY + k] = w[W.VX + i], w[W.VY + i]
 
 
@@ -418,16 +416,17 @@ def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, 
     n = chosen(w, width)
     for k in range(n):
         i = int(w[W.BALL + k])
-        w[W.CIRCLE + k], w[W.PTIME + k] = w[W.FIRST + i], w[W.STEP + i]
+        w[W.BALL + k], w[W.PTIME + k] = w[W.FIRST + i], w[W.STEP + i]
     march(w, n, base, rows, g)
     for k in range(width):
         i = eights(k)
         w[W.END + i] = w[W.TIME + i] + w[W.LATE + i] if w[W.DOUBT + i] <= 0.0 else -INFINITY
     n = 0
     for k in range(pairs):
-        i, c = ball_and_circle(w, k)
-        w[W.BALL + n], w[W.CIRCLE + n], w[W.PTIME + n] = 1.0 * i, 1.0 * c, w[W.PAIRS + LANES * circles + k]
-        n += int((w[W.PTIME + n] < w[W.END + i]) & (w[W.FIRST + i] != c))
+        pair, step = w[W.PAIRS + k], w[W.PAIRS + LANES * circles + k]
+        i = int(pair) % LANES
+        w[W.BALL + n], w[W.PTIME + n] = pair, step
+        n += int((step < w[W.END + i]) & (w[W.FIRST + i] != pair))
         if n == LANES:
             march(w, n, base, rows, g)
             n = 0
@@ -437,8 +436,9 @@ def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, 
 def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
     """March from some balls to circles, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
     for k in range(n):
-        i = int(w[W.BALL + k])
-        gather(w, k, i, int(w[W.CIRCLE + k]), rows)
+        pair = int(w[W.BALL + k])
+        i, row = pair % LANES, behind(rows, WIDTH * (pair // LANES))
+        gather(w, k, i, row[PX], row[PY], row[SIZE])
         w[W.PEND + k], w[W.WHAT + k], w[W.SAID + k] = w[W.END + i], 1.0 * ON, 0.0
     repeated(w, n, W.DX, W.PEX)
     looked_at(w, padded(w, n), g)
@@ -450,15 +450,15 @@ def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
         m += listed(w, W.S + m, W.ONE + b, 1.0 * b)
     for k in range(m):
         i = int(w[W.S + k])
-        for row in range(W.BALL, W.DX, LANES):
-            w[row + k] = w[row + i]
+        w[W.BALL + k] = w[W.BALL + i]
         for row in range(W.PTIME, W.PEND, LANES):
             w[row + k] = w[row + i]
         for row in range(W.WHAT, W.S, LANES):
             w[row + k] = w[row + i]
     landed(w, padded(w, m), g)
     for k in range(m):
-        i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
+        pair = int(w[W.BALL + k])
+        i, c = pair % LANES, pair // LANES
         t, doubt = arrival(w, k)
         taken(w, i, base + c, rows[WIDTH * c + OWNER], t, w[W.PLATE + k], doubt)
 

@@ -38,7 +38,6 @@ class Rows(NamedTuple):
     ONE: int
     # of pairs of a ball and a circle: which they are, as it is seen from the centre
     BALL: int
-    CIRCLE: int
     DX: int
     DY: int
     PVX: int
