@@ -9,8 +9,8 @@ import pytest
 import grazing as gz
 from grazing.billiard.faces import passes
 from grazing.billiard.gaps import first_step
-from grazing.billiard.packed import contacts, impacts, near, of_all_circles
-from grazing.billiard.rows import CIRCLES
+from grazing.billiard.packed import contacts, flights, impacts, near, of_all_circles, pass_face, widest
+from grazing.billiard.rows import CIRCLES, EX, EY, LONG, PX, PY, SIZE, WIDTH
 from grazing.billiard.workspace import LANES, I, W, room_for
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import column
@@ -192,3 +192,53 @@ def test_a_face_that_is_passed_is_not_met():
         assert not between[turns].any() or not between[turns + 1].any()
         passed += 1
     assert 500 < passed < 2000
+
+
+@pytest.mark.parametrize("g", [0.0, 1.0])
+def test_a_circle_that_was_just_left_is_left_out_where_the_ball_goes_away_from_it(g):
+    random, clear = np.random.default_rng(7), 0
+    w = np.zeros(room_for(1))
+    for _ in range(100):
+        turn, way = random.uniform(0.0, 2.0 * pi, 8), random.uniform(-0.5 * pi, 0.5 * pi, 8)
+        centre, speed = random.normal(size=2), 10.0 ** random.uniform(-2, 2)
+        circle = np.zeros((1, WIDTH))
+        circle[0, [PX, PY, SIZE]] = *centre, 0.5
+        w[W.X : W.X + 8], w[W.Y : W.Y + 8] = centre[0] + 0.5 * np.cos(turn), centre[1] + 0.5 * np.sin(turn)
+        w[W.VX : W.VX + 8], w[W.VY : W.VY + 8] = speed * np.cos(turn + way), speed * np.sin(turn + way)
+        w[W.TIME : W.TIME + 8], w[W.LAST : W.LAST + 8] = 1.0, 0.0
+        of_all_circles(w, 8, 0, 1, circle.ravel(), g)
+        near(w, 8, *centre, 0.5, 0.0, g)
+        for i in np.flatnonzero(w[W.ONE : W.ONE + 8] == 0.0):
+            dx, dy = w[W.X + i] - centre[0], w[W.Y + i] - centre[1]
+            step, said = first_step(dx, dy, w[W.VX + i], w[W.VY + i], g, 0.5, True, w[W.PART + i])
+            assert said == 0 and step == np.inf
+            clear += 1
+    assert clear == 800 if g == 0.0 else 100 < clear < 800
+
+
+def test_faces_passed_side_by_side_are_passed_one_by_one():
+    random, passed, row = np.random.default_rng(11), 0, np.zeros(WIDTH)
+    w = np.zeros(room_for(0))
+    for _ in range(400):
+        turn, scale = random.uniform(0.0, 2.0 * pi), 10.0 ** random.uniform(-3, 3)
+        row[[PX, PY]], row[EX], row[EY] = random.normal(size=2) * random.choice([0.0, 1e4]), cos(turn), sin(turn)
+        row[SIZE], row[LONG] = random.choice([0.0, 0.2]), random.uniform(0.1, 2.0)
+        g, end, last = float(random.choice([0.0, 1.0])), random.choice([0.1, 1.0, np.inf]), random.integers(-1, 4, 8)
+        for first, values in zip((W.X, W.Y, W.VX, W.VY), random.normal(size=(4, 8)), strict=True):
+            w[first : first + 8] = values
+        w[W.X : W.X + 8], w[W.Y : W.Y + 8] = w[W.X : W.X + 8] + row[PX], w[W.Y : W.Y + 8] + row[PY]
+        w[W.VX : W.VX + 8], w[W.VY : W.VY + 8] = w[W.VX : W.VX + 8] * scale, w[W.VY : W.VY + 8] * scale
+        w[W.TIME : W.TIME + 8], w[W.LAST : W.LAST + 8], w[W.SURFACE : W.SURFACE + 8] = end / scale, last, -1.0
+        flights(w, 8, widest(1, row), g)
+        some = pass_face(w, 8, 0, row)
+        assert some == w[W.ONE : W.ONE + 8].any()
+        face = row[EX], row[EY], row[SIZE], row[LONG]
+        for i in np.flatnonzero(w[W.ONE : W.ONE + 8] == 0.0):
+            x, y, v = w[W.X + i], w[W.Y + i], (w[W.VX + i], w[W.VY + i])
+            along, far = (x - row[PX], y - row[PY]), abs(x) + abs(y)
+            assert passes(along, v, face, g, 0.0, 1.0, w[W.LAST + i], w[W.TIME + i], far)
+            passed += 1
+        w[W.SURFACE : W.SURFACE + 8] = [0.0, 1.0] * 4
+        flights(w, 8, widest(1, row), g)
+        assert not pass_face(w, 8, 0, row)  # it is that which was found
+    assert 800 < passed < 2400

@@ -165,3 +165,13 @@ def test_the_map_is_plain_python_too_and_goes_through_a_pickle():
 def test_wrong_input_is_refused(make, said):
     with pytest.raises(gz.InputError, match=said):
         make()
+
+
+@pytest.mark.parametrize("discs", [0, 1, 5, 30])
+def test_the_workspace_of_launches_begins_where_a_line_of_the_cache_does(discs, monkeypatch):
+    """Vectors of eight numbers that lie across two lines are read and written in two goes."""
+    seen, asked = [], launches.call
+    monkeypatch.setattr(launches, "call", lambda kernel, *given: [seen.append(given[1]), asked(kernel, *given)])
+    things = [gz.disc(f"D{i}", (3.0 * i, 0.0), 1.0, ELASTIC) for i in range(discs)]
+    gz.launches(gz.table([*things, gz.drain("out", (-9.0, -5.0), (99.0, -5.0))], tilt=0.5), (-3.0, 0.0), 0.5, 1.0)
+    assert [w.ctypes.data % 64 for w in seen] == [0]

@@ -6,11 +6,11 @@ vectors. What that does not settle is in doubt, and goes to :func:`grazing.billi
 
 from __future__ import annotations
 
-from math import floor
+from math import floor, sqrt
 from typing import Any
 
 from grazing.billiard.contact import flight_to, is_slow, jammed, may_settle, next_impact, takes_no_time
-from grazing.billiard.faces import guess, met_side, of_face, passes
+from grazing.billiard.faces import CORNER, met_side, of_face
 from grazing.billiard.flippers import FLIPPER_WIDTH, KINDS, REACH
 from grazing.billiard.flippers import PX as PIVOT_X
 from grazing.billiard.flippers import PY as PIVOT_Y
@@ -47,7 +47,7 @@ from grazing.billiard.rows import (
     SIZE,
     WIDTH,
 )  # fmt: skip
-from grazing.billiard.workspace import LANES, I, W
+from grazing.billiard.workspace import LANES, F, I, W
 from grazing.kernel.primitives import behind, inlined, picked, unit
 from grazing.kernel.turns import eights
 from grazing.kernel.vectors import listed
@@ -56,9 +56,9 @@ from grazing.outcome import ESCAPED, FATAL, OK
 INFINITY = float("inf")
 #: Fewer balls are asked one by one, which is quicker.
 FEW = 4
-#: By how much a circle is missed that is not asked for a step: 4 up to rounding, and the share of the gap's terms that
-#: is left at the end, which moves a root by more than the square root of rounding.
-FAR, SHARE = 4.0 - 2.0**-20, 2.0**-20
+#: By how much a circle is missed that is not asked for a step: a share of k, and the share of the gap's terms that is
+#: left at the end, which moves a root by more than the square root of rounding.
+FAR, SHARE = 1.0 - 2.0**-22, 2.0**-20
 #: Looks at a circle after which a ball is in doubt.
 LOOKS = 12
 
@@ -239,9 +239,12 @@ def taken(w: Any, i: int, surface: Any, owner: float, t: float, late: float, dou
 @inlined
 def of_some_faces(w: Any, width: int, faces: int, rows: Any, g: float) -> None:
     """Find contacts with the face that seems to come first."""
+    wide = widest(faces, rows)
     for k in range(width):
         i = eights(k)
         w[W.STEP + i], w[W.FIRST + i] = INFINITY, -1.0
+        w[F.FACE + i], w[F.SIGN + i] = side_of(w[W.LAST + i])
+        w[F.ERROR + i] = 2.0 * GAP * EPS * (abs(w[W.X + i]) + abs(w[W.Y + i]) + wide)
     for f in range(faces):
         guess_face(w, width, f, behind(rows, WIDTH * f), g)
     for i in range(width):
@@ -252,10 +255,28 @@ def of_some_faces(w: Any, width: int, faces: int, rows: Any, g: float) -> None:
 
 
 @inlined
+def widest(faces: int, rows: Any) -> float:
+    """Return what the sizes of which gaps of faces are made are not greater than, but for the place of the ball."""
+    wide = 0.0
+    for f in range(faces):
+        row = behind(rows, WIDTH * f)
+        wide = max(wide, abs(row[PX]) + abs(row[PY]) + row[SIZE] + abs(row[LONG]))
+    return wide
+
+
+@inlined
+def side_of(surface: float) -> Any:
+    """Return the face of a surface, and 1 for its right side, -1 for its left one."""
+    face = floor(0.5 * surface)
+    return face, 4.0 * (0.5 * surface - face) - 1.0
+
+
+@inlined
 def of_other_faces(w: Any, width: int, faces: int, circles: int, rows: Any, g: float) -> None:
     """Meet those faces, ball by ball, of which it is not sure that what was found comes before."""
+    flights(w, width, widest(faces, rows), g)
     for f in range(faces):
-        if not pass_face(w, width, f, behind(rows, WIDTH * f), g):
+        if not pass_face(w, width, f, behind(rows, WIDTH * f)):
             continue
         for i in range(width):
             if w[W.ONE + i] > 0.0 and not w[W.DOUBT + i] > 0.0:
@@ -265,17 +286,46 @@ def of_other_faces(w: Any, width: int, faces: int, circles: int, rows: Any, g: f
 
 
 @inlined
-def guess_face(w: Any, width: int, f: int, row: Any, g: float) -> None:
-    """Guess when the side of a face is met on which a ball is: STEP and FIRST."""
-    px, py, ex, ey, size, long = row[PX], row[PY], row[EX], row[EY], row[SIZE], row[LONG]
+def flights(w: Any, width: int, wide: float, g: float) -> None:
+    """Set what :func:`pass_face` asks for of the flights up to what was found; ``wide`` is from :func:`widest`."""
     for k in range(width):
         i = eights(k)
-        along, v, left = (w[W.X + i] - px, w[W.Y + i] - py), (w[W.VX + i], w[W.VY + i]), 2.0 * f
-        t, surface, stuck = guess(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i])
-        soonest = w[W.STEP + i]
-        w[W.DOUBT + i] = picked(stuck, 1.0, w[W.DOUBT + i])
-        w[W.STEP + i] = picked(t < soonest, t, soonest)
-        w[W.FIRST + i] = picked(t < soonest, surface, w[W.FIRST + i])
+        x, y, vx, vy, end = w[W.X + i], w[W.Y + i], w[W.VX + i], w[W.VY + i], w[W.TIME + i] + w[W.LATE + i]
+        t = picked(end < INFINITY, end, 0.0)
+        face, sign = side_of(w[W.LAST + i])
+        w[F.MET + i], _side = side_of(w[W.SURFACE + i])
+        speed, fallen = abs(vx) + abs(vy) + g * t, vy - g * t
+        unsure = CORNER * GAP * EPS * (2.0 * (abs(x) + abs(y)) + wide + speed * t)
+        unsure = picked(end < INFINITY, unsure, INFINITY)
+        w[F.FACE + i], w[F.X + i], w[F.Y + i] = face, x + vx * t, y + (vy - 0.5 * g * t) * t
+        w[F.VX + i], w[F.VY + i], w[F.FALLEN + i] = sign * vx, sign * vy, sign * fallen
+        w[F.BOW + i], w[F.UNSURE + i] = 0.125 * g * t * t + unsure, unsure
+        w[F.RATE + i] = picked(end < INFINITY, 4.0 * GAP * EPS * speed, INFINITY)
+
+
+@inlined
+def guess_face(w: Any, width: int, f: int, row: Any, g: float) -> None:
+    """Guess when the side of a face is met on which a ball is, as :func:`grazing.billiard.faces.guess`: STEP and FIRST.
+
+    In doubt is a ball that just left that side, and bounces by less than can be told of any face.
+    """
+    px, py, ex, ey, size, long = row[PX], row[PY], row[EX], row[EY], row[SIZE], row[LONG]
+    face, pull = 1.0 * f, 2.0 * g * ex
+    for k in range(width):
+        i = eights(k)
+        dx, dy, vx, vy, fresh = w[W.X + i] - px, w[W.Y + i] - py, w[W.VX + i], w[W.VY + i], w[F.FACE + i] == face
+        off = ey * dx - ex * dy
+        sign = picked(fresh, w[F.SIGN + i], 1.0 if off >= 0.0 else -1.0)
+        h, dh, bend = picked(fresh, 0.0, sign * off - size), sign * (ey * vx - ex * vy), sign * pull  # four times that
+        D, down = dh * dh - bend * h, (dh < 0.0) & (not fresh)
+        meets, root = (D >= 0.0) & (down | (bend < 0.0)), sqrt(max(D, 0.0))
+        over, under = picked(down, 2.0 * h, -2.0 * (dh + root)), picked(down, root - dh, bend)
+        t, soonest = over / picked(meets, under, 1.0), w[W.STEP + i]
+        foot = ex * (dx + vx * t) + ey * (dy + (vy - 0.5 * g * t) * t)
+        sooner = meets & (t >= 0.0) & (foot >= 0.0) & (foot <= long) & (t < soonest)
+        w[W.STEP + i] = picked(sooner, t, soonest)
+        w[W.FIRST + i] = picked(sooner, picked(sign > 0.0, 2.0 * face + 1.0, 2.0 * face), w[W.FIRST + i])
+        w[W.DOUBT + i] = picked(fresh & (dh * dh < -bend * w[F.ERROR + i]), 1.0, w[W.DOUBT + i])
 
 
 @inlined
@@ -292,16 +342,23 @@ def meet_face(w: Any, width: int, g: float) -> None:
 
 
 @inlined
-def pass_face(w: Any, width: int, f: int, row: Any, g: float) -> Any:
-    """Set ONE where it is not sure that a face is not met before what was found, unless it is that; say if any."""
-    px, py, ex, ey, size, long = row[PX], row[PY], row[EX], row[EY], row[SIZE], row[LONG]
+def pass_face(w: Any, width: int, f: int, row: Any) -> Any:
+    """Set ONE where it is not sure that a face is not met before what was found, unless it is that; say if any.
+
+    What is surely passed is so for :func:`grazing.billiard.faces.passes`, too: errors are here those of any face.
+    """
+    px, py, ex, ey, size, long, face = row[PX], row[PY], row[EX], row[EY], row[SIZE], row[LONG], 1.0 * f
     for k in range(width):
         i = eights(k)
-        x, y, left = w[W.X + i], w[W.Y + i], 2.0 * f
-        along, v, far = (x - px, y - py), (w[W.VX + i], w[W.VY + i]), abs(x) + abs(y)
-        end, itself = w[W.TIME + i] + w[W.LATE + i], (w[W.SURFACE + i] == left) | (w[W.SURFACE + i] == left + 1.0)
-        passed = passes(along, v, (ex, ey, size, long), g, left, left + 1.0, w[W.LAST + i], end, far)
-        w[W.ONE + i] = 0.0 if passed | itself else 1.0
+        dx, dy, fx, fy = w[W.X + i] - px, w[W.Y + i] - py, w[F.X + i] - px, w[F.Y + i] - py
+        bow, unsure = w[F.BOW + i], w[F.UNSURE + i]
+        off, then, foot, thence = ey * dx - ex * dy, ey * fx - ex * fy, ex * dx + ey * dy, ex * fx + ey * fy
+        away = max(min(off, then), -max(off, then)) > abs(ex) * bow + unsure + size
+        beside = max(min(foot, thence) - long, -max(foot, thence)) > abs(ey) * bow + unsure
+        across = ey * w[F.VX + i]
+        leaves = min(across - ex * w[F.VY + i], across - ex * w[F.FALLEN + i]) > w[F.RATE + i]
+        passed = away | beside | (leaves & (w[F.FACE + i] == face)) | (w[F.MET + i] == face)
+        w[W.ONE + i] = 0.0 if passed else 1.0
     some = 0
     for k in range(width):
         some |= 1 if w[W.ONE + eights(k)] > 0.0 else 0
@@ -318,7 +375,7 @@ def repeated(w: Any, n: int, first: int, last: int) -> None:
 
 @inlined
 def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: float) -> int:
-    """Ask how long circles are surely not met: the least STEP and its circle. Return how many pairs are on the list.
+    """Ask how long circles are surely not met: the least STEP and its pair. Return how many pairs are on the list.
 
     Those are all pairs of a ball and a circle that may be met before what was found, each with its own step.
     """
@@ -327,16 +384,21 @@ def of_all_circles(w: Any, width: int, base: int, circles: int, rows: Any, g: fl
         row = behind(rows, WIDTH * c)
         far = max(far, abs(row[PX]) + abs(row[PY]) + row[SIZE])
     bounds(w, width, far, g)
-    n = 0
+    n, first, steps = 0, 0, W.PAIRS + LANES * circles
     for c in range(circles):
-        row = behind(rows, WIDTH * c)
+        row, before = behind(rows, WIDTH * c), n
         px, py, size, surface = row[PX], row[PY], row[SIZE], 1.0 * (base + c)
         near(w, width, px, py, size, surface, g)
         for b in range(0, width, 8):
             n += listed(w, W.PAIRS + n, W.ONE + b, 1.0 * (LANES * c + b))
-    steps = W.PAIRS + LANES * circles
-    for first in range(0, n, LANES):
-        first_steps(w, first, min(LANES, n - first), steps, base, rows, g)
+        if n - first > LANES:
+            first_steps(w, first, before - first, steps, g)
+            first = before
+        for k in range(before - first, n - first):
+            i = int(w[W.PAIRS + first + k]) - LANES * c
+            gather(w, k, i, px, py, size)
+            w[W.PEX + k], w[W.PEY + k] = w[W.PART + i], 1.0 if w[W.LAST + i] == surface else 0.0
+    first_steps(w, first, n - first, steps, g)
     return n
 
 
@@ -347,66 +409,58 @@ def bounds(w: Any, width: int, far: float, g: float) -> None:
         vx, vy, end = w[W.VX + i], w[W.VY + i], w[W.TIME + i] + w[W.LATE + i]
         fast, least = vx * vx + vy * vy, lowest(-g * vy, 0.25 * g * g, end)
         w[W.PART + i], w[W.STEP + i], w[W.END + i], w[W.FIRST + i] = fast + least, end, end, -1.0
-        reach = abs(w[W.X + i]) + abs(w[W.Y + i]) + far
-        w[W.FALL + i] = 2.0 * GAP * EPS * reach * (abs(vx) + abs(vy))
-        w[W.BEND + i] = fast + least - 2.0 * GAP * EPS * (3.0 * fast - least + g * reach)
+        reach, speed = abs(w[W.X + i]) + abs(w[W.Y + i]) + far, abs(vx) + abs(vy)
+        error = GAP * EPS * (3.0 * fast - least + g * reach)
+        w[W.FALL + i], w[W.BEND + i] = GAP * EPS * reach * speed, FAR * (fast + least - 2.0 * error)
+        w[W.SPARE + i] = SHARE * (2.0 * reach * speed + (fast - least + g * reach) * end) * end
 
 
 def near(w: Any, width: int, px: float, py: float, size: float, surface: float, g: float) -> None:
     """Set ONE for those balls that may meet a circle before what was found.
 
-    For others :func:`grazing.billiard.gaps.first_step` has no root, or one that is later by far more than rounding.
+    For others :func:`grazing.billiard.gaps.first_step` has no root, or one that is later by far more than rounding. A
+    circle that was just left has none where k is not negative.
     """
-    size2 = (1.0 + 4.0 * GAP * EPS) * size * size
+    size2, pull = (1.0 + 4.0 * GAP * EPS) * size * size, FAR * g
     for k in range(width):
         i = eights(k)
         dx, dy, end = w[W.X + i] - px, w[W.Y + i] - py, w[W.END + i]
         h = (1.0 - 4.0 * GAP * EPS) * (dx * dx + dy * dy) - size2
-        dh = 2.0 * (dx * w[W.VX + i] + dy * w[W.VY + i]) - w[W.FALL + i]
-        bend = w[W.BEND + i] - g * dy
-        most = bend * end
-        misses = (dh * dh < FAR * bend * h) | (dh >= 0.0)
-        later = h + (dh + most) * end >= SHARE * (abs(dh) + abs(most)) * end
-        later = later & ((bend <= 0.0) | (dh + 2.0 * most <= 0.0))
-        clear = (h > 0.0) & ((misses & (bend >= 0.0)) | later) & (w[W.LAST + i] != surface)
-        w[W.ONE + i] = 0.0 if clear else 1.0
+        half, bend = dx * w[W.VX + i] + dy * w[W.VY + i] - w[W.FALL + i], w[W.BEND + i] - pull * dy
+        then = half + bend * end
+        up, misses = bend >= 0.0, (half * half < bend * h) | (half >= 0.0)
+        later = (h + (half + then) * end >= w[W.SPARE + i]) & ((bend <= 0.0) | (then <= 0.0))
+        left, clear = w[W.LAST + i] == surface, (h > 0.0) & ((misses & up) | later)
+        w[W.ONE + i] = 0.0 if (left & up) | (clear & (not left)) else 1.0
 
 
-@inlined
-def first_steps(w: Any, first: int, n: int, steps: int, base: int, rows: Any, g: float) -> None:
-    """Ask of some pairs on the list how long they are surely apart."""
-    for k in range(n):
-        i, c = ball_and_circle(w, first + k)
-        gather(w, k, i, c, rows)
-        w[W.PEX + k], w[W.PEY + k] = w[W.PART + i], 1.0 if w[W.LAST + i] == base + c else 0.0
+def first_steps(w: Any, first: int, n: int, steps: int, g: float) -> None:
+    """Ask of pairs on the list, which were gathered, how long they are surely apart."""
     repeated(w, n, W.DX, W.PWHO)
     for k in range((n + 7) // 8 * 8):
         i = eights(k)
         step, said = first_step(
             w[W.DX + i], w[W.DY + i], w[W.PVX + i], w[W.PVY + i], g, w[W.PSIZE + i], w[W.PEY + i] > 0.0, w[W.PEX + i]
         )
-        w[W.PTIME + i], w[W.SAID + i] = step, 1.0 if said != OK else 0.0
+        w[steps + first + i], w[W.SAID + i] = step, 1.0 if said != OK else 0.0
     for k in range(n):
-        i, c = ball_and_circle(w, first + k)
-        step, least = w[W.PTIME + k], w[W.STEP + i]
-        w[steps + first + k] = step
-        w[W.FIRST + i if step < least else W.S] = 1.0 * c  # without a branch
+        pair = w[W.PAIRS + first + k]
+        i, step = int(pair) % LANES, w[steps + first + k]
+        least = w[W.STEP + i]
+        w[W.FIRST + i if step < least else W.S] = pair  # without a branch
         w[W.STEP + i] = min(least, step)
+    doubt = 0
+    for k in range((n + 7) // 8 * 8):
+        doubt |= 1 if w[W.SAID + eights(k)] > 0.0 else 0
+    for k in range(n if doubt != 0 else 0):
+        i = int(w[W.PAIRS + first + k]) % LANES
         w[W.DOUBT + i] = max(w[W.DOUBT + i], w[W.SAID + k])
 
 
 @inlined
-def ball_and_circle(w: Any, k: int) -> Any:
-    """Return which ball and which circle a pair on the list is."""
-    pair = int(w[W.PAIRS + k])
-    return pair % LANES, pair // LANES
-
-
-@inlined
-def gather(w: Any, k: int, i: int, c: int, rows: Any) -> None:
+def gather(w: Any, k: int, i: int, px: float, py: float, size: float) -> None:
     """Put a ball as seen from a circle to a place."""
-    row = behind(rows, WIDTH * c)
-    w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - row[PX], w[W.Y + i] - row[PY], row[SIZE]
+    w[W.DX + k], w[W.DY + k], w[W.PSIZE + k] = w[W.X + i] - px, w[W.Y + i] - py, size
     w[W.PVX + k], w[W.PVY + k] = w[W.VX + i], w[W.VY + i]
 
 
@@ -418,16 +472,17 @@ def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, 
     n = chosen(w, width)
     for k in range(n):
         i = int(w[W.BALL + k])
-        w[W.CIRCLE + k], w[W.PTIME + k] = w[W.FIRST + i], w[W.STEP + i]
+        w[W.BALL + k], w[W.PTIME + k] = w[W.FIRST + i], w[W.STEP + i]
     march(w, n, base, rows, g)
     for k in range(width):
         i = eights(k)
         w[W.END + i] = w[W.TIME + i] + w[W.LATE + i] if w[W.DOUBT + i] <= 0.0 else -INFINITY
     n = 0
     for k in range(pairs):
-        i, c = ball_and_circle(w, k)
-        w[W.BALL + n], w[W.CIRCLE + n], w[W.PTIME + n] = 1.0 * i, 1.0 * c, w[W.PAIRS + LANES * circles + k]
-        n += int((w[W.PTIME + n] < w[W.END + i]) & (w[W.FIRST + i] != c))
+        pair, step = w[W.PAIRS + k], w[W.PAIRS + LANES * circles + k]
+        i = int(pair) % LANES
+        w[W.BALL + n], w[W.PTIME + n] = pair, step
+        n += int((step < w[W.END + i]) & (w[W.FIRST + i] != pair))
         if n == LANES:
             march(w, n, base, rows, g)
             n = 0
@@ -437,8 +492,9 @@ def nearest(w: Any, width: int, base: int, circles: int, pairs: int, rows: Any, 
 def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
     """March from some balls to circles, as :func:`grazing.billiard.gaps.crossing` does, and take what is found."""
     for k in range(n):
-        i = int(w[W.BALL + k])
-        gather(w, k, i, int(w[W.CIRCLE + k]), rows)
+        pair = int(w[W.BALL + k])
+        i, row = pair % LANES, behind(rows, WIDTH * (pair // LANES))
+        gather(w, k, i, row[PX], row[PY], row[SIZE])
         w[W.PEND + k], w[W.WHAT + k], w[W.SAID + k] = w[W.END + i], 1.0 * ON, 0.0
     repeated(w, n, W.DX, W.PEX)
     looked_at(w, padded(w, n), g)
@@ -450,15 +506,15 @@ def march(w: Any, n: int, base: int, rows: Any, g: float) -> None:
         m += listed(w, W.S + m, W.ONE + b, 1.0 * b)
     for k in range(m):
         i = int(w[W.S + k])
-        for row in range(W.BALL, W.DX, LANES):
-            w[row + k] = w[row + i]
+        w[W.BALL + k] = w[W.BALL + i]
         for row in range(W.PTIME, W.PEND, LANES):
             w[row + k] = w[row + i]
         for row in range(W.WHAT, W.S, LANES):
             w[row + k] = w[row + i]
     landed(w, padded(w, m), g)
     for k in range(m):
-        i, c = int(w[W.BALL + k]), int(w[W.CIRCLE + k])
+        pair = int(w[W.BALL + k])
+        i, c = pair % LANES, pair // LANES
         t, doubt = arrival(w, k)
         taken(w, i, base + c, rows[WIDTH * c + OWNER], t, w[W.PLATE + k], doubt)
 

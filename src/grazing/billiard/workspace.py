@@ -28,17 +28,17 @@ class Rows(NamedTuple):
     WHO: int
     DOUBT: int
     LAST: int  # the surface just left, -1 for one of a flipper
-    # of circles: the least part of k, the earliest safe step, of which circle, how long is looked; errors, k with them
+    # of circles: the least part of k, the earliest safe step, of which pair, how long is looked; errors, k with them
     PART: int
     STEP: int
     FIRST: int
     END: int
     FALL: int
     BEND: int
+    SPARE: int
     ONE: int
     # of pairs of a ball and a circle: which they are, as it is seen from the centre
     BALL: int
-    CIRCLE: int
     DX: int
     DY: int
     PVX: int
@@ -96,6 +96,28 @@ class Impacts(NamedTuple):
 
 
 I = Impacts(*(W.BALL + LANES * i for i in range(len(Impacts._fields))))
+
+
+class Faces(NamedTuple):
+    """Rows of what is asked of all faces: over those of pairs, which are not used at that time."""
+
+    FACE: int  # the face just left, and on which side: 1 for the right one, -1 for the left one
+    SIGN: int
+    ERROR: int  # of any gap of a face
+    # of a flight up to what was found: where it ends; the face met there; velocities, times the side just left
+    X: int
+    Y: int
+    MET: int
+    VX: int
+    VY: int
+    FALLEN: int
+    # how far a parabola leaves its chord, with errors; the errors; a rate that surely is one
+    BOW: int
+    UNSURE: int
+    RATE: int
+
+
+F = Faces(*(W.BALL + LANES * i for i in range(len(Faces._fields))))
 
 
 def room_for(circles: int) -> int:

@@ -19,7 +19,7 @@ from grazing.billiard.strategy import Strategy
 from grazing.billiard.table import AWAY, Table
 from grazing.billiard.workspace import room_for
 from grazing.kernel.compile import call, compiled
-from grazing.kernel.lanes import abreast_loop
+from grazing.kernel.lanes import abreast_loop, aligned
 from grazing.maps.collisions import asked_of, blocks_of, checked_table, fastest, plain_block
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
@@ -235,7 +235,7 @@ def _listed(values: ArrayLike, name: str, least: float = -INFINITY) -> Floats:
 
 def _flown(block: Floats, launch: tuple[float, float, int], part: Sequence[Any]) -> Iterator[None]:
     """Fly launches, angles and speeds and then what is found of each, side by side."""
-    w, job = np.empty(room_for(int(block[CIRCLES]))), np.array([0, 0])
+    w, job = aligned(room_for(int(block[CIRCLES]))), np.array([0, 0])
     while job[0] < len(part[0]) or job[1] > 0:  # some rounds at a time, so that it can be stopped
         call(launcher(), block, w, job, ROUNDS, *launch, *part)
         yield

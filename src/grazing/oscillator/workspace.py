@@ -10,6 +10,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.kernel.lanes import aligned
 from grazing.oscillator.cells import cell_size, table_size
 
 Floats = NDArray[np.float64]
@@ -138,10 +139,3 @@ def workspace(harmonics: int, columns: int) -> tuple[Floats, Floats, NDArray[np.
     w[W.NUMBER : W.NUMBER + LANES] = np.arange(LANES)
     w[W.BEFORE : W.BEFORE + LANES] = -1.0  # no law is asked about nonsense
     return w, tables, np.zeros(3 * WIDTH, np.int64)
-
-
-def aligned(count: int) -> Floats:
-    """Return zeros from an address on that 64 divides: then no vector lies across two lines of the cache."""
-    room = np.zeros(count + 8)
-    skip = -(room.ctypes.data // 8) % 8
-    return room[skip : skip + count]
