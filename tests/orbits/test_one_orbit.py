@@ -45,6 +45,19 @@ def test_orbits_that_are_truly_near_stay_different(s: float) -> None:
     assert found == pytest.approx([-1.9150080481545374, 1.9150080481545374], rel=1e-9)  # of x = 2 tanh x
 
 
+@pytest.mark.parametrize("s", [1e-4, 1e-6, 1e-8])
+def test_orbits_of_one_piece_that_are_truly_near_stay_different(s: float) -> None:
+    pieces = {
+        "L": lambda x, c: (-0.1 * x[0] - 1.0,),
+        "R": lambda x, c: (0.5 + 2.0 * c.s * tanh((x[0] - 0.5) / c.s),),
+    }
+    box = ((-2.0, 2.0),)
+    P = gz.Map(pieces=pieces, border=lambda x, c: x[0], params={"s": s}, coordinates=("x",), box=box)
+    right = [orbit for orbit in gz.periodic_orbits(P, period=1) if orbit.word == "R" and orbit.stable]
+    found = sorted((orbit.points[0, 0] - 0.5) / s for orbit in right)
+    assert found == pytest.approx([-1.9150080481545374, 1.9150080481545374], rel=1e-6)
+
+
 def test_what_rounding_may_do_grows_with_the_condition_until_it_is_a_family() -> None:
     one, none = np.ones(1), np.zeros(1)
     off = [float(moved(none, np.array([[slope]]), one, 2e-16 * one, one, 1e-8)[0]) for slope in (1.0, 1e-9, 0.0)]
