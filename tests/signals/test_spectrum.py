@@ -46,6 +46,17 @@ def test_a_window_keeps_the_height_of_a_line():
     assert float(hann) == pytest.approx(float(plain), rel=1e-3)
 
 
+@pytest.mark.parametrize("window", ["boxcar", "hann"])
+def test_the_line_at_half_the_rate_has_the_height_of_samples_that_take_turns(window):
+    found = steady(gz.pinball(d=0.5), periods=4)
+    assert len(found.t) % 2 == 0
+    found["u"][:] = 5.0 + 0.7 * np.cos(np.pi * np.arange(len(found.t)))
+    assert gz.spectrum(found, window=window).amplitude[-1] == pytest.approx(0.7, rel=1e-12)  # it was 0.99
+    odd = found.isel(t=slice(1, None))
+    odd["u"][:] = 0.3 * np.cos(2.0 * np.pi * np.arange(len(odd.t)) * (len(odd.t) // 2) / len(odd.t))
+    assert gz.spectrum(odd, window="boxcar").amplitude[-1] == pytest.approx(0.3, rel=1e-12)
+
+
 def test_what_is_wrong_is_said():
     tr = gz.trajectory(gz.pinball(), (0.1, 0.0), until=10.0)
     recorded = gz.sample(tr, 10.0)

@@ -94,12 +94,7 @@ class BounceEquations(PointEquations):
         Next to a law that takes hardly any speed, and gives as little, defects are 0 all over the reach of the probes.
         """
         assert self._held is not None
-        bounces, y, n = self._held[1], apart(x), self.N
-        (w, b), places = bounces.velocities(y), bounces.frames(y[:n])[0]
-        speeds = np.hypot(*w) + np.hypot(*b)
-        if self.energy is None:
-            return EPS * np.tile(speeds, 2)
-        return EPS * np.concatenate([speeds, speeds**2 + np.abs(bounces.g * places[1]) + abs(self.energy)])
+        return self._held[1].rounded(apart(x))
 
     def expanded(self, x: Floats, p: Floats) -> tuple[Floats, Floats, Floats]:
         """Return F, dF/dx and dF/dp: closed forms go on beyond the ends of objects, so that differences may."""

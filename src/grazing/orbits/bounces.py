@@ -27,6 +27,7 @@ from numpy.typing import NDArray
 from grazing.billiard.objects import DRAIN, Thing
 from grazing.billiard.rows import ANGLE, EX, EY, LONG, OWNER, PX, PY, SIGN, SIZE, surfaces_of
 from grazing.billiard.table import Table
+from grazing.orbits.one_sided import EPS
 from grazing.oscillator.reset import Reset
 from grazing.parameter import parameters
 
@@ -202,6 +203,14 @@ class Bounces:
         else:
             J[:, n + i, i] += self.g * m * T[:, 1]
         return F, J
+
+    def rounded(self, x: Floats) -> Floats:
+        """Return by how much rounding may move the defects (2n,) of unknowns (2n,)."""
+        (w, b), places = self.velocities(x), self.frames(x[: self.n])[0]
+        speeds = np.hypot(*w) + np.hypot(*b)
+        if self.energy is None:
+            return EPS * np.tile(speeds, 2)
+        return EPS * np.concatenate([speeds, speeds**2 + np.abs(self.g * places[1]) + abs(self.energy)])
 
     @property
     def scale(self) -> Floats:

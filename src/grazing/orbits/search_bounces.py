@@ -18,6 +18,7 @@ from grazing.orbits.bounce_guesses import guessed
 from grazing.orbits.bounce_orbit import BounceOrbit, bounce_orbit, corrected_word, inside
 from grazing.orbits.bounces import Bounces, conserves, solid_surfaces
 from grazing.orbits.finder import LONGEST_WORDS, Finder, Looked, Tally, Wanted
+from grazing.orbits.one_orbit import moved
 from grazing.orbits.sight import gain_of, has_parallels, one_at_most, one_way, unseen
 from grazing.orbits.word import least_rotation, primitive, word
 from grazing.outcome import InputError
@@ -30,7 +31,7 @@ Floats = NDArray[np.float64]
 MOST_WORDS = 50_000
 #: Guesses of a word: one where it has one orbit at most, elsewhere a share of all, within these bounds.
 FEWEST, MOST = 8, 256
-#: Scaled defect up to which a solution counts; solutions that differ by less than SAME are one.
+#: Scaled defect up to which a solution counts; solutions of which rounding is not known are one up to SAME.
 CLOSED, SAME = 1e-11, 1e-8
 
 
@@ -240,19 +241,34 @@ def distinct(bounces: Bounces, solutions: Floats) -> list[Floats]:
     numbers = [surface.number for surface in bounces.word]
     same = [k for k in range(n) if numbers[k:] + numbers[:k] == numbers]
     for x in solutions:
-        one, unit = np.concatenate([bounces.frames(x[:n])[0], x[None, n:]]), SAME * _unit(bounces, x)
-        turns = [np.roll(one, -k, -1) for k in same]
-        if any((np.abs(turn - one) < unit).all() for turn in turns[1:]):
+        off = _moved(bounces, x)
+        turns = [(_turned(x, k), _turned(off, k)) for k in same]
+        if any((_gap(bounces, turn, x) <= own + off).all() for turn, own in turns[1:]):
             continue
-        if not any((np.abs(turn - other) < unit).all() for turn in turns for other, _x in kept):
-            kept.append((one, x))
-    return [x for _one, x in kept]
+        if not any((_gap(bounces, turn, y) <= own + other).all() for turn, own in turns for y, other in kept):
+            kept.append((x, off))
+    return [x for x, _off in kept]
 
 
-def _unit(bounces: Bounces, x: Floats) -> Floats:
-    """Return units of places and times, (3, 1)."""
-    size = float(bounces.size.max() + bounces.scale.max())
-    return np.array([[size], [size], [float(x[bounces.n :].mean())]])
+def _turned(x: Floats, k: int) -> Floats:
+    """Return unknowns (2n,) begun at impact k instead."""
+    n = len(x) // 2
+    return np.concatenate([np.roll(x[:n], -k), np.roll(x[n:], -k)])
+
+
+def _gap(bounces: Bounces, x: Floats, y: Floats) -> Floats:
+    """Return by how much unknowns (2n,) differ; angles that differ by a turn are one."""
+    gap = x - y
+    gap[: bounces.n] -= np.where(bounces.q, 2.0 * np.pi * np.round(gap[: bounces.n] / (2.0 * np.pi)), 0.0)
+    return np.abs(gap)
+
+
+def _moved(bounces: Bounces, x: Floats) -> Floats:
+    """Return by how much rounding may have moved a solution (2n,)."""
+    n = bounces.n
+    F, J = bounces.defects(x[None])
+    scale = np.concatenate([bounces.scale, np.full(n, float(x[n:].mean()))])
+    return moved(F[0], J[0], x, bounces.rounded(x), scale, SAME)
 
 
 class Bounced(Finder):

@@ -20,6 +20,7 @@ from grazing.orbits.corrector import weighed
 from grazing.orbits.finder import Tally
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import SHORTEST, ImpactEquations
+from grazing.orbits.one_orbit import cells, moved
 from grazing.orbits.search_flights import Flights
 from grazing.oscillator.reset import Reset
 from grazing.oscillator.rig import Rig
@@ -30,7 +31,7 @@ Pieces = tuple[int, ...]
 
 #: Residual, in natural units, up to which a solution counts.
 CLOSED = 1e-10
-#: Solutions that differ by less than this, in natural units, are one.
+#: Solutions of which rounding is not known are one where they differ by less than this, in natural units.
 SAME = 1e-7
 #: Triggers and second walls give 2^n signatures; only up to so many impacts are all of them tried at random.
 ALL_PIECES = 4
@@ -54,6 +55,7 @@ class Solutions:
         self.contacts = contacts_of(model)
         self.found: dict[tuple[int, Pieces], Floats] = {}
         self._equations: dict[tuple[int, Pieces], ImpactEquations] = {}
+        self._off: dict[tuple[int, Pieces, bytes], Floats] = {}
 
     def equations(self, N: int, pieces: Pieces) -> ImpactEquations:
         """Return the closing equations of a signature."""
@@ -96,16 +98,36 @@ class Solutions:
 
     def _distinct(self, x: Floats, known: Floats, equations: ImpactEquations) -> Floats:
         """Return those of the solutions that are not known, each once and in its own order of impacts."""
-        prints, seen = self.prints(x, equations), self.prints(known, equations)
-        _first, index = np.unique(np.round(prints / SAME), axis=0, return_index=True)
-        new: list[int] = []
-        for i in sorted(index):
-            at = prints[i]
-            if (np.abs(seen - at) < SAME).all(axis=1).any():
-                continue
-            seen = np.concatenate([seen, at[None]])
-            new.append(i)
+        n, pieces = equations.n, equations.pieces
+        starts = [k for k in range(n) if pieces[k:] + pieces[:k] == pieces]
+        kept, new = known, list[int]()
+        off = np.array([self._moved(one, equations) for one in known]).reshape(-1, 2 * n)
+        for cell in cells(self.prints(x, equations), SAME):
+            while len(cell):
+                one, own = x[cell[:1]], self._moved(x[cell[0]], equations)
+                if not any(
+                    self._alike(turned(one, k, 0.0)[0], turned(own[None], k, 0.0)[0], kept, off).any() for k in starts
+                ):
+                    new.append(cell[0])
+                    kept, off = np.concatenate([kept, one]), np.concatenate([off, own[None]])
+                cell = cell[1:]
+                same = [self._alike(turned(one, k, 0.0)[0], own, x[cell], own) for k in starts if len(cell)]
+                cell = cell[~np.any(same, axis=0)] if same else cell
         return ordered(x[new], equations)
+
+    def _alike(self, x: Floats, own: Floats, others: Floats, off: Floats) -> NDArray[np.bool_]:
+        """Return which of several solutions (k, 2n) are one with another that begins at the same impact."""
+        n, gap = len(x) // 2, others - x
+        gap[:, :n] -= self.T * np.round(gap[:, :n] / self.T)
+        return np.asarray((np.abs(gap) <= own + off).all(axis=1))
+
+    def _moved(self, x: Floats, equations: ImpactEquations) -> Floats:
+        """Return by how much rounding may have moved a solution (2n,)."""
+        key = equations.N, equations.pieces, x.tobytes()
+        if key not in self._off:
+            F, J = equations.defects(x, NOTHING)
+            self._off[key] = moved(F, J, x, equations.rounded(x), equations.scale, SAME)
+        return self._off[key]
 
     def prints(self, x: Floats, equations: ImpactEquations) -> Floats:
         """Return numbers (k, 6) that do not depend on which impact comes first, nor in which period."""

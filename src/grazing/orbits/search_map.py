@@ -17,6 +17,8 @@ from grazing.maps.linear import solved
 from grazing.maps.map import Map
 from grazing.orbits.finder import Tally
 from grazing.orbits.map_equations import MapEquations
+from grazing.orbits.one_orbit import cells, moved
+from grazing.orbits.one_sided import EPS
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.search_windows import drawn
 from grazing.outcome import FATAL, InputError
@@ -25,7 +27,8 @@ Floats = NDArray[np.float64]
 
 #: Newton steps after which an orbit counts as not found.
 STEPS = 40
-#: Residual, in sizes of the box, up to which a solution counts; solutions that differ by less than SAME are one.
+#: Residual, in sizes of the box, up to which a solution counts; solutions of which rounding is not known are one up to
+#: SAME.
 CLOSED, SAME = 1e-10, 1e-8
 
 
@@ -110,6 +113,7 @@ class Cycles:
         self.P, self.tally = P, tally
         self.size = np.array([high - low for low, high in P.box])
         self.found: dict[int, Floats] = {}
+        self._off: dict[bytes, Floats] = {}
         derived = P.derivative(P.packed()[1][None])
         self._derived = derived
         self._close = closer(derived.tangent, derived.prepare, derived.kind, P.dimension)
@@ -137,14 +141,39 @@ class Cycles:
         return new
 
     def _distinct(self, x: Floats, known: Floats) -> Floats:
-        prints, seen = self.prints(x), self.prints(known)
-        _first, index = np.unique(np.round(prints / SAME), axis=0, return_index=True)
-        new = []
-        for i in sorted(index):
-            if not (np.abs(seen - prints[i]) < SAME).all(axis=1).any():
-                seen = np.concatenate([seen, prints[i][None]])
-                new.append(i)
-        return x[new]
+        """Return those of the solutions that are not known, each once."""
+        N, d = x.shape[1:]
+        kept, new = list(known), list[int]()
+        off = np.array([self._moved(one) for one in kept]).reshape(-1, d)
+        means = known.mean(axis=1)
+        for cell in cells(self.prints(x), SAME):
+            while len(cell):
+                one, own = x[cell[0]], self._moved(x[cell[0]])
+                near = np.flatnonzero((np.abs(means - one.mean(axis=0)) <= off + own).all(axis=1))
+                turns = [np.roll(one, -k, axis=0) for k in range(N)]
+                if not any((np.abs(turn - kept[k]) <= off[k] + own).all() for k in near for turn in turns):
+                    new.append(cell[0])
+                    kept.append(one)
+                    off, means = np.concatenate([off, own[None]]), np.concatenate([means, one.mean(axis=0)[None]])
+                cell = cell[1:]
+                cell = cell[(np.abs(x[cell] - one) > own).any(axis=(1, 2))]  # few: most are as near as rounding is
+        return x[sorted(new)]
+
+    def _moved(self, x: Floats) -> Floats:
+        """Return by how much rounding may have moved the points of a solution (N, dim), (dim,)."""
+        N, d = x.shape
+        key = x.tobytes()
+        if key not in self._off:
+            F, J = np.full((N, d), np.nan), np.eye(N * d)
+            with suppress(InputError):  # Newton's method may end where the map allows no state
+                for j in range(N):
+                    to = (j + 1) % N
+                    F[to] = x[to] - self.P.orbit(x[j], 1).points[-1]
+                    J[to * d : to * d + d, j * d : j * d + d] -= self.P.jacobian(x[j])
+            rounded = EPS * np.tile(np.abs(x).max(axis=0), N)
+            most = moved(F.ravel(), J, x.ravel(), rounded, np.tile(self.size, N), SAME)
+            self._off[key] = most.reshape(N, d).max(axis=0)
+        return self._off[key]
 
     def prints(self, x: Floats) -> Floats:
         """Return numbers (k, m) that do not depend on which point comes first."""

@@ -9,7 +9,9 @@ from numpy.typing import NDArray
 
 from grazing.maps.map import Map
 from grazing.orbits.corrector import closed
+from grazing.orbits.equations import ONE
 from grazing.orbits.finder import Tally
+from grazing.orbits.one_orbit import moved
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.piece_equations import PieceEquations
 from grazing.orbits.piece_letters import letters_from
@@ -25,7 +27,7 @@ GUESSES, WORDS = 24, 200
 #: Newton steps from a guess, and the part of a size by which differences move it.
 STEPS, MOVED = 30, 1e-6
 #: Guesses that end nearer to each other than this part of a size are polished once.
-NEAR = 1e-6
+NEAR = 1e-10
 #: Sizes of the box beyond which a guess has run away.
 FAR = 1e6
 
@@ -68,7 +70,7 @@ def piece_orbits(
         Counts.
     """
     nothing = np.empty(0)
-    found: dict[str, list[tuple[PieceEquations, Floats, PieceOrbit]]] = {}
+    found: dict[str, list[tuple[PieceEquations, Floats, Floats, PieceOrbit]]] = {}
 
     def add(equations: PieceEquations, x: Floats) -> None:
         solved = closed(equations, x, nothing)
@@ -76,8 +78,9 @@ def piece_orbits(
             return
         orbit = equations.orbit(solved, nothing)
         same = found.setdefault(orbit.word, [])
-        if not any(equations.same(solved, other, y, nothing) for other, y, _orbit in same):
-            same.append((equations, solved, orbit))
+        off = moved(*equations.defects(solved, nothing), solved, equations.rounded(solved), equations.scale, ONE)
+        if not any(alike(equations, solved, off, other, y, its) for other, y, its, _orbit in same):
+            same.append((equations, solved, off, orbit))
 
     for orbit in known:
         own, roots = letters_from(P, orbit.points)
@@ -96,7 +99,16 @@ def piece_orbits(
         tally.signatures.add((period, period))
         for solution in distinct(solutions / equations.scale):
             add(equations, solution * equations.scale)
-    return [orbit for same in found.values() for _equations, _x, orbit in same]
+    return [orbit for same in found.values() for _equations, _x, _off, orbit in same]
+
+
+def alike(equations: PieceEquations, x: Floats, off: Floats, other: PieceEquations, y: Floats, its: Floats) -> bool:
+    """Whether two solutions that rounding may move so far are one, begun at another point perhaps."""
+    if len(x) != len(y):
+        return False
+    letters, starts = other.letters, other.starts
+    turned = [-int(starts[k]) for k in range(other.N) if letters[k:] + letters[:k] == equations.letters]
+    return any(bool((np.abs(np.roll(y, k) - x) <= off + np.roll(its, k)).all()) for k in turned)
 
 
 def solved_at_once(equations: PieceEquations, x: Floats) -> Floats:

@@ -36,8 +36,9 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
     -------
     xarray.Dataset
         ``amplitude`` on ``frequency``, in cycles per unit of time, from 0 to half the rate: a sine of amplitude A that
-        falls on a line has A there. ``order`` on ``frequency`` counts in the frequency of the forcing: a motion of n
-        periods of the forcing has lines at multiples of 1/n.
+        falls on a line has A there; at half the rate, where samples take turns, what they have of it. ``order`` on
+        ``frequency`` counts in the frequency of the forcing: a motion of n periods of the forcing has lines at
+        multiples of 1/n.
 
     Raises
     ------
@@ -78,8 +79,9 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
     if not np.isfinite(weights).all() or not weights.any():
         raise InputError(f"window = {shown(window)} gives weights that are no numbers, or all 0; choose another one")
     frequency, power = signal.periodogram(x, fs=rate, window=weights, detrend="constant", scaling="spectrum")
+    power[1 : (len(t) + 1) // 2] *= 2.0  # of a sine it is half; at 0 and at half the rate samples have all of it
     found = xr.Dataset(
-        {"amplitude": ("frequency", np.sqrt(2.0 * power), _said(recorded[of].attrs, of))},
+        {"amplitude": ("frequency", np.sqrt(power), _said(recorded[of].attrs, of))},
         coords={
             "frequency": (
                 "frequency",

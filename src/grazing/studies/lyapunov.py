@@ -85,6 +85,8 @@ def lyapunov(
         completed chatter or sticking, not a number where an orbit ended or has no derivative (a graze).
         ``exponent_error``, its standard error: 0 for an orbit with a period; else that of the mean of 20 batches of
         the steps, which holds as far as an orbit forgets within a batch, and not a number beside what is not finite.
+        It does not see a slow approach: where an orbit nears a neutral one as a power of the steps, as at a period
+        doubling, each exponent is that far from its limit, by many errors; more ``transient`` takes it nearer.
         Where derivatives are differences 4e-11 is added for rounding; those of a cycle then have an error, too: what
         rounding and twice the step change, which is much beside a maximum of a map.
         For a map of a model also ``exponent_per_time`` and ``return_time``, the mean time of a step. On (name,
