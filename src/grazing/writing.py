@@ -90,7 +90,7 @@ def _named(parts: list[Path], targets: list[Path]) -> None:
     if len(targets) == 1:
         os.replace(parts[0], targets[0])
         return
-    with _in_turn(targets[0].parent), held_back(), ExitStack() as done, ExitStack() as undo:
+    with _in_turn(targets[0].parent, TURN), held_back(), ExitStack() as done, ExitStack() as undo:
         for part, target in zip(parts, targets, strict=True):
             old = target.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
             done.callback(_unlink, old)
@@ -110,8 +110,12 @@ def _unlink(file: Path) -> None:
         file.unlink(missing_ok=True)
 
 
+class _Taken(InputError):
+    """Another process gives files their names."""
+
+
 @contextmanager
-def _in_turn(folder: Path) -> Iterator[None]:
+def _in_turn(folder: Path, wait: float) -> Iterator[None]:
     """Let no other process give names in a folder meanwhile, where the system can tell."""
     if fcntl is None:  # pragma: no cover
         yield
@@ -122,13 +126,14 @@ def _in_turn(folder: Path) -> Iterator[None]:
         yield
         return
     try:
-        end = time.monotonic() + TURN
+        end = time.monotonic() + wait
         while _lock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB) is False:
             if time.monotonic() > end:
-                raise InputError(f"{folder} has been locked by another process for {TURN:g} s; end it, or wait")
+                raise _Taken(f"{folder} has been locked by another process for {wait:g} s; end it, or wait")
             time.sleep(0.01)
         yield
     finally:
+        _lock(handle, fcntl.LOCK_UN)  # a process that was forked meanwhile has the handle too
         os.close(handle)
 
 
@@ -156,8 +161,11 @@ def put(file: Path, content: bytes, mode: int) -> None:
 
 
 def remove_left(folder: Path) -> None:
-    """Remove the files in a folder that their writers have left half made, as far as they can be removed."""
-    with suppress(OSError):
+    """Remove the files in a folder that their writers have left half made, as far as they can be removed.
+
+    None while files get their names there: those before them, which nobody locks, would be had back from such files.
+    """
+    with suppress(OSError, _Taken), _in_turn(folder, wait=0.0):
         for name in os.listdir(folder):
             if found := PARTIAL.fullmatch(name):
                 with suppress(OSError):  # it has just got its name, or is another user's
