@@ -278,6 +278,33 @@ def test_a_process_that_is_forked_meanwhile_does_not_hold_the_folder(tmp_path, m
     assert read(tmp_path / "a.csv")[0]["a"] == read(tmp_path / "a-y.csv")[0]["b"] == "2.0"
 
 
+@pytest.mark.skipif(os.name != "posix", reason="forks, kills and links")
+@pytest.mark.parametrize("call, at", [("link", 2), ("replace", 1)])
+def test_who_is_killed_before_the_first_name_leaves_all_tables_and_the_next_removes_the_rest(tmp_path, call, at):
+    """A link that had the name is kept as one, which has no lock: it was left for good."""
+    result = xr.Dataset({"a": ("x", [1.0]), "b": ("y", [1.0])})
+    to_csv(result, tmp_path / "a.csv")
+    (tmp_path / "a.csv").rename(tmp_path / "far")
+    (tmp_path / "a.csv").symlink_to("far")
+    if not (child := os.fork()):
+        real, calls = getattr(os, call), []
+
+        def killed(*given, **options):
+            calls.append(given)
+            if len(calls) == at:
+                os.kill(os.getpid(), signal.SIGKILL)
+            real(*given, **options)
+
+        setattr(os, call, killed)
+        with contextlib.suppress(BaseException):
+            to_csv(result + 1.0, tmp_path / "a.csv")
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == signal.SIGKILL
+    assert read(tmp_path / "a.csv")[0]["a"] == read(tmp_path / "a-y.csv")[0]["b"] == "1.0"
+    to_csv(result, tmp_path / "a.csv")
+    assert {file.name for file in tmp_path.iterdir()} == {"a.csv", "a-y.csv", "far"}
+
+
 def parquet(file):
     from pyarrow import parquet
 

@@ -9,8 +9,9 @@ import stat
 import tempfile
 import time
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from uuid import uuid4
 
@@ -55,7 +56,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
     """Do what :func:`whole_file` does for files of one folder that belong together: all get their names, or none.
 
-    Who writes the same files at the same time gives them before or after, not in between.
+    Who writes the same files at the same time gives them before or after, not in between. Only a kill, or a power cut,
+    between the first name and the last leaves some of each, until they are written again.
 
     Raises
     ------
@@ -91,17 +93,20 @@ def _named(parts: list[Path], targets: list[Path]) -> None:
         os.replace(parts[0], targets[0])
         return
     with _in_turn(targets[0].parent, TURN), held_back(), ExitStack() as done, ExitStack() as undo:
-        for part, target in zip(parts, targets, strict=True):
+        backs: list[Callable[[], object]] = []
+        for target in targets:  # of all first: who is killed here leaves those before
             old = target.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
             done.callback(_unlink, old)
             try:
                 os.link(target, old, follow_symlinks=False)
-                undo.callback(os.replace, old, target)
+                backs.append(partial(os.replace, old, target))
             except FileNotFoundError:
-                undo.callback(_unlink, target)
+                backs.append(partial(_unlink, target))
             except OSError:  # another user's, or a disk without links: it cannot be had back
-                pass
+                backs.append(lambda: None)
+        for part, target, back in zip(parts, targets, backs, strict=True):
             os.replace(part, target)
+            undo.callback(back)
         undo.pop_all()
 
 
@@ -196,6 +201,10 @@ def _part(file: Path, mode: int) -> Iterator[Path]:
 
 def _remove_if_left(half: Path, machine: str) -> None:
     """Remove what is half made, if nobody makes it any more: the lock of its writer ends with it, on one machine."""
+    if half.is_symlink():  # had a name that was given to a file; it has no lock, and who gives names has the folder's
+        if machine == _machine() or is_left(half):
+            half.unlink()
+        return
     handle = os.open(half, _FOUND)
     try:
         free = None if fcntl is None else _lock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
