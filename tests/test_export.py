@@ -305,6 +305,24 @@ def test_who_is_killed_before_the_first_name_leaves_all_tables_and_the_next_remo
     assert {file.name for file in tmp_path.iterdir()} == {"a.csv", "a-y.csv", "far"}
 
 
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_an_interrupt_before_the_file_is_locked_leaves_nothing(tmp_path, monkeypatch):
+    real, before = writing._lock, signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def interrupted(handle, how):
+        if [*tmp_path.glob(".*.partial")]:
+            os.kill(os.getpid(), signal.SIGINT)
+        return real(handle, how)
+
+    monkeypatch.setattr(writing, "_lock", interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            to_csv(xr.Dataset({"a": ("x", [1.0])}), tmp_path / "a.csv")
+    finally:
+        signal.signal(signal.SIGINT, before)
+    assert not [*tmp_path.iterdir()]
+
+
 def parquet(file):
     from pyarrow import parquet
 

@@ -180,23 +180,34 @@ def remove_left(folder: Path) -> None:
 @contextmanager
 def _part(file: Path, mode: int) -> Iterator[Path]:
     """Give the name of a new file beside another one: locked while it is there, and gone afterwards."""
+    made: list[tuple[str, int | None]] = []
+    try:
+        with held_back():
+            made.append(_new(file, mode))
+        yield Path(made[0][0])
+    finally:
+        for part, handle in made:
+            try:
+                os.unlink(part)  # at once: an interrupt comes between two calls of Python's own functions
+            except OSError:
+                pass
+            finally:
+                if handle is not None:
+                    os.close(handle)
+
+
+def _new(file: Path, mode: int) -> tuple[str, int | None]:
+    """Make a new file beside another one, and lock it; what is open gets no other name where there are no locks."""
     while True:
-        part = file.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
+        part = str(file.with_name(f".{_machine()}{uuid4().hex[8:]}.partial"))
         handle = os.open(part, _NEW, mode)
         if fcntl is None:  # pragma: no cover
-            os.close(handle)  # what is open gets no other name there
-            break
+            os.close(handle)
+            return part, None
         _lock(handle, fcntl.LOCK_EX)
         if os.fstat(handle).st_nlink:
-            break
+            return part, handle
         os.close(handle)  # another process was faster than the lock, and has removed it
-    try:
-        yield part
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        if fcntl is not None:
-            os.close(handle)
 
 
 def _remove_if_left(half: Path, machine: str) -> None:
