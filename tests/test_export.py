@@ -3,6 +3,7 @@
 import contextlib
 import csv
 import os
+import signal
 import subprocess
 import sys
 import time
@@ -230,6 +231,95 @@ def test_a_folder_that_another_process_holds_is_said(tmp_path, monkeypatch):
             to_csv(xr.Dataset({"a": ("x", [1.0]), "b": ("y", [1.0])}), tmp_path / "a.csv")
     finally:
         os.close(handle)
+    assert not [*tmp_path.iterdir()]
+
+
+def test_the_next_writer_leaves_what_an_undo_takes_the_first_tables_from(tmp_path, monkeypatch):
+    """The tables before are nobody's while others get their names: another process took them for left, and away."""
+    pytest.importorskip("fcntl")
+    result = xr.Dataset({"a": ("x", [1.0, 2.0]), "b": ("y", [3.0])})
+    before = {file: file.read_bytes() for file in to_csv(result, tmp_path / "a.csv")}
+    real, calls = os.replace, []
+
+    def full(part, target):
+        calls.append(target)
+        if len(calls) == 2:
+            writing.remove_left(tmp_path)  # as one who writes another file there begins with
+            raise OSError(28, "No space left on device")
+        real(part, target)
+
+    with monkeypatch.context() as patch, pytest.raises(InputError, match="No space left on device"):
+        patch.setattr(os, "replace", full)
+        to_csv(result + 1.0, tmp_path / "a.csv")
+    assert {file: file.read_bytes() for file in tmp_path.iterdir()} == before
+
+
+@pytest.mark.skipif(os.name != "posix", reason="forks")
+def test_a_process_that_is_forked_meanwhile_does_not_hold_the_folder(tmp_path, monkeypatch):
+    monkeypatch.setattr(writing, "TURN", 0.2)
+    result, real, children = xr.Dataset({"a": ("x", [1.0]), "b": ("y", [1.0])}), os.replace, []
+
+    def forks(part, target):
+        real(part, target)
+        if not children:  # as a pool in another thread does
+            if not (child := os.fork()):
+                time.sleep(60.0)
+                os._exit(0)
+            children.append(child)
+
+    try:
+        with monkeypatch.context() as patch:
+            patch.setattr(os, "replace", forks)
+            to_csv(result, tmp_path / "a.csv")
+        to_csv(result + 1.0, tmp_path / "a.csv")
+    finally:
+        os.kill(children[0], signal.SIGKILL)
+        os.waitpid(children[0], 0)
+    assert read(tmp_path / "a.csv")[0]["a"] == read(tmp_path / "a-y.csv")[0]["b"] == "2.0"
+
+
+@pytest.mark.skipif(os.name != "posix", reason="forks, kills and links")
+@pytest.mark.parametrize("call, at", [("link", 2), ("replace", 1)])
+def test_who_is_killed_before_the_first_name_leaves_all_tables_and_the_next_removes_the_rest(tmp_path, call, at):
+    """A link that had the name is kept as one, which has no lock: it was left for good."""
+    result = xr.Dataset({"a": ("x", [1.0]), "b": ("y", [1.0])})
+    to_csv(result, tmp_path / "a.csv")
+    (tmp_path / "a.csv").rename(tmp_path / "far")
+    (tmp_path / "a.csv").symlink_to("far")
+    if not (child := os.fork()):
+        real, calls = getattr(os, call), []
+
+        def killed(*given, **options):
+            calls.append(given)
+            if len(calls) == at:
+                os.kill(os.getpid(), signal.SIGKILL)
+            real(*given, **options)
+
+        setattr(os, call, killed)
+        with contextlib.suppress(BaseException):
+            to_csv(result + 1.0, tmp_path / "a.csv")
+        os._exit(0)
+    assert os.waitpid(child, 0)[1] == signal.SIGKILL
+    assert read(tmp_path / "a.csv")[0]["a"] == read(tmp_path / "a-y.csv")[0]["b"] == "1.0"
+    to_csv(result, tmp_path / "a.csv")
+    assert {file.name for file in tmp_path.iterdir()} == {"a.csv", "a-y.csv", "far"}
+
+
+@pytest.mark.skipif(os.name != "posix", reason="signals")
+def test_an_interrupt_before_the_file_is_locked_leaves_nothing(tmp_path, monkeypatch):
+    real, before = writing._lock, signal.signal(signal.SIGINT, signal.default_int_handler)
+
+    def interrupted(handle, how):
+        if [*tmp_path.glob(".*.partial")]:
+            os.kill(os.getpid(), signal.SIGINT)
+        return real(handle, how)
+
+    monkeypatch.setattr(writing, "_lock", interrupted)
+    try:
+        with pytest.raises(KeyboardInterrupt):
+            to_csv(xr.Dataset({"a": ("x", [1.0])}), tmp_path / "a.csv")
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert not [*tmp_path.iterdir()]
 
 

@@ -9,8 +9,9 @@ import stat
 import tempfile
 import time
 import zlib
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, contextmanager, suppress
+from functools import partial
 from pathlib import Path
 from uuid import uuid4
 
@@ -55,7 +56,8 @@ def whole_file(path: str | os.PathLike[str]) -> Iterator[Path]:
 def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]:
     """Do what :func:`whole_file` does for files of one folder that belong together: all get their names, or none.
 
-    Who writes the same files at the same time gives them before or after, not in between.
+    Who writes the same files at the same time gives them before or after, not in between. Only a kill, or a power cut,
+    between the first name and the last leaves some of each, until they are written again.
 
     Raises
     ------
@@ -90,18 +92,21 @@ def _named(parts: list[Path], targets: list[Path]) -> None:
     if len(targets) == 1:
         os.replace(parts[0], targets[0])
         return
-    with _in_turn(targets[0].parent), held_back(), ExitStack() as done, ExitStack() as undo:
-        for part, target in zip(parts, targets, strict=True):
+    with _in_turn(targets[0].parent, TURN), held_back(), ExitStack() as done, ExitStack() as undo:
+        backs: list[Callable[[], object]] = []
+        for target in targets:  # of all first: who is killed here leaves those before
             old = target.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
             done.callback(_unlink, old)
             try:
                 os.link(target, old, follow_symlinks=False)
-                undo.callback(os.replace, old, target)
+                backs.append(partial(os.replace, old, target))
             except FileNotFoundError:
-                undo.callback(_unlink, target)
+                backs.append(partial(_unlink, target))
             except OSError:  # another user's, or a disk without links: it cannot be had back
-                pass
+                backs.append(lambda: None)
+        for part, target, back in zip(parts, targets, backs, strict=True):
             os.replace(part, target)
+            undo.callback(back)
         undo.pop_all()
 
 
@@ -110,8 +115,12 @@ def _unlink(file: Path) -> None:
         file.unlink(missing_ok=True)
 
 
+class _Taken(InputError):
+    """Another process gives files their names."""
+
+
 @contextmanager
-def _in_turn(folder: Path) -> Iterator[None]:
+def _in_turn(folder: Path, wait: float) -> Iterator[None]:
     """Let no other process give names in a folder meanwhile, where the system can tell."""
     if fcntl is None:  # pragma: no cover
         yield
@@ -122,13 +131,14 @@ def _in_turn(folder: Path) -> Iterator[None]:
         yield
         return
     try:
-        end = time.monotonic() + TURN
+        end = time.monotonic() + wait
         while _lock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB) is False:
             if time.monotonic() > end:
-                raise InputError(f"{folder} has been locked by another process for {TURN:g} s; end it, or wait")
+                raise _Taken(f"{folder} has been locked by another process for {wait:g} s; end it, or wait")
             time.sleep(0.01)
         yield
     finally:
+        _lock(handle, fcntl.LOCK_UN)  # a process that was forked meanwhile has the handle too
         os.close(handle)
 
 
@@ -156,8 +166,11 @@ def put(file: Path, content: bytes, mode: int) -> None:
 
 
 def remove_left(folder: Path) -> None:
-    """Remove the files in a folder that their writers have left half made, as far as they can be removed."""
-    with suppress(OSError):
+    """Remove the files in a folder that their writers have left half made, as far as they can be removed.
+
+    None while files get their names there: those before them, which nobody locks, would be had back from such files.
+    """
+    with suppress(OSError, _Taken), _in_turn(folder, wait=0.0):
         for name in os.listdir(folder):
             if found := PARTIAL.fullmatch(name):
                 with suppress(OSError):  # it has just got its name, or is another user's
@@ -167,27 +180,42 @@ def remove_left(folder: Path) -> None:
 @contextmanager
 def _part(file: Path, mode: int) -> Iterator[Path]:
     """Give the name of a new file beside another one: locked while it is there, and gone afterwards."""
+    made: list[tuple[str, int | None]] = []
+    try:
+        with held_back():
+            made.append(_new(file, mode))
+        yield Path(made[0][0])
+    finally:
+        for part, handle in made:
+            try:
+                os.unlink(part)  # at once: an interrupt comes between two calls of Python's own functions
+            except OSError:
+                pass
+            finally:
+                if handle is not None:
+                    os.close(handle)
+
+
+def _new(file: Path, mode: int) -> tuple[str, int | None]:
+    """Make a new file beside another one, and lock it; what is open gets no other name where there are no locks."""
     while True:
-        part = file.with_name(f".{_machine()}{uuid4().hex[8:]}.partial")
+        part = str(file.with_name(f".{_machine()}{uuid4().hex[8:]}.partial"))
         handle = os.open(part, _NEW, mode)
         if fcntl is None:  # pragma: no cover
-            os.close(handle)  # what is open gets no other name there
-            break
+            os.close(handle)
+            return part, None
         _lock(handle, fcntl.LOCK_EX)
         if os.fstat(handle).st_nlink:
-            break
+            return part, handle
         os.close(handle)  # another process was faster than the lock, and has removed it
-    try:
-        yield part
-    finally:
-        with suppress(OSError):
-            part.unlink(missing_ok=True)
-        if fcntl is not None:
-            os.close(handle)
 
 
 def _remove_if_left(half: Path, machine: str) -> None:
     """Remove what is half made, if nobody makes it any more: the lock of its writer ends with it, on one machine."""
+    if half.is_symlink():  # had a name that was given to a file; it has no lock, and who gives names has the folder's
+        if machine == _machine() or is_left(half):
+            half.unlink()
+        return
     handle = os.open(half, _FOUND)
     try:
         free = None if fcntl is None else _lock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
