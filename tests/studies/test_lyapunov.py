@@ -546,3 +546,21 @@ def test_differences_of_a_cycle_of_the_plane_have_an_error_for_each_exponent(b):
     exact = np.log([greatest, b * b / greatest]) / 2.0
     off = abs(found.exponent.values - exact)
     assert (off <= found.exponent_error.values).all() and (found.exponent_error.values[:, 0] < 1e-8).all()
+
+
+@pytest.mark.parametrize(("slope", "cubic"), [(0.01, 100.0), (1e-4, 2800.0), (0.01, 0.0)])
+def test_slopes_of_either_sign_do_not_hide_the_error_of_a_cycle(slope, cubic):
+    """All moved up, the slopes s and -s have the same product but for the square: 3.6e-7 off, the error was 4e-11."""
+
+    def two(state, p):
+        x = state[0]
+        y = x - 0.3 if x < 0.5 else 0.7 - x
+        z = p.s * y + p.cubic * y * y * y
+        return (0.7 + z if x < 0.5 else 0.3 + z,)
+
+    P = gz.Map(two, params={"s": slope, "cubic": cubic}, box=((0.0, 1.0),))
+    found = lyapunov(P, starts=8, transient=1000)
+    cycle = found.period.values == 2
+    off = abs(found.exponent.values[cycle] - math.log(slope))
+    assert cycle.any() and (off <= found.exponent_error.values[cycle]).all()
+    assert (found.exponent_error.values[cycle] < 0.1).all()

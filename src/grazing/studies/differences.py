@@ -18,7 +18,8 @@ TOGETHER = 100_000
 def error_of_cycles(P: Map, rows: Floats, points: Floats, periods: Ints, arithmetic: str) -> Floats:
     """Return the errors (n, dim) that differences leave in the exponents of cycles, the greatest exponent first.
 
-    Each slope is moved by its rounding and by what it changes with twice the step, all up and in turns up and down.
+    Each slope is moved by its rounding and by what it changes with twice the step: all up, in turns up and down, and
+    both of their sizes, as slopes of either sign that all go up hardly change a product.
 
     Parameters
     ----------
@@ -48,13 +49,14 @@ def _errors(P: Map, rows: Floats, points: Floats, periods: Ints, arithmetic: str
     x = points[cycle, keep - periods[cycle] + step]
     slopes, doubt = slopes_of(P, rows[cycle], x, arithmetic)
     turn = np.where(np.indices((d, d)).sum(axis=0) % 2 == 0, 1.0, -1.0)
-    plain, moved = np.tile(np.eye(d), (n, 1, 1)), np.tile(np.eye(d), (4, n, 1, 1))
-    ways = np.array([np.ones((d, d)), -np.ones((d, d)), turn, -turn])
+    plain, moved = np.tile(np.eye(d), (n, 1, 1)), np.tile(np.eye(d), (8, n, 1, 1))
+    ways = np.array([np.ones((d, d)), -np.ones((d, d)), turn, -turn])[:, None]
+    moves = np.concatenate([ways * doubt, ways * np.copysign(doubt, slopes)])
     with np.errstate(divide="ignore", invalid="ignore"):
         for k in range(longest):
             now, which = cycle[step == k], np.flatnonzero(step == k)
             plain[now] = slopes[which] @ plain[now]
-            moved[:, now] = (slopes[which] + ways[:, None] * doubt[which]) @ moved[:, now]
+            moved[:, now] = (slopes[which] + moves[:, which]) @ moved[:, now]
             size = np.abs(plain[now]).max(axis=(1, 2))[:, None, None]
             size = np.where(size > 0.0, size, 1.0)  # of both the same: only their ratio counts
             plain[now], moved[:, now] = plain[now] / size, moved[:, now] / size
