@@ -22,7 +22,7 @@ import { ceiling, inside } from "./walls.js";
 const NONE = -1; // no cell yet
 /** Where states of one coordinate lie in the height of their strip. */
 const MIDDLE = 0.5;
-/** The steps between cells of the grids that refine one another, each of twice as many as the one before. */
+/** The steps between the cells of a grid, along both axes; each grid holds the one before. */
 const STEPS = [8, 4, 2, 1];
 /** Steps of the gap map in one job, and milliseconds between pictures, which take the processors from what they show. */
 const WORK = 1e6, PAUSE = 100;
@@ -197,7 +197,7 @@ export class ChartView {
         if (!batch.live()) return;
         if (!edges && step === 1) this.canvas.dataset.stage = "done";
         this.paint();
-        if (edges || step === 1) this.done(); // shares are estimates until then
+        if (edges || step === 1) this.done(); // until the last time shares are estimates
       }
     }
   }
@@ -361,7 +361,7 @@ export class ChartView {
     if (!periods.length) return [];
     const alike = periods.map((one) => periods.filter((other) => periodColour(other) === periodColour(one)));
     const shared = [...new Set(alike.filter((some) => some.length > 1).map((some) => some.join(" and ")))];
-    return [{ text: `Periods in the picture: ${periods.join(", ")}${periods.includes(254) ? " or above" : ""}.${shared.length ? ` One colour stands for ${shared.join(", for ")}.` : ""}` }];
+    return [{ text: `Periods in the picture${this.canvas.dataset.stage === "done" ? "" : " so far"}: ${periods.join(", ")}${periods.includes(254) ? " or above" : ""}.${shared.length ? ` One colour stands for ${shared.join(", for ")}.` : ""}` }];
   }
 
   /** The basins in words: what the chosen state reaches, and each attractor with its share of the picture. @param {State} state */
