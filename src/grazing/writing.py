@@ -32,6 +32,7 @@ OLD = 3600.0
 TURN = 30.0
 _NEW = os.O_RDWR | os.O_CREAT | os.O_EXCL
 _FOUND = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_NOFOLLOW", 0)
+_FOLDER = os.O_RDONLY | getattr(os, "O_DIRECTORY", 0)  # a pipe in place of one would be waited for
 #: Whether a file is asked for with the rights that this process has now.
 EFFECTIVE = os.access in os.supports_effective_ids
 
@@ -126,7 +127,7 @@ def _in_turn(folder: Path, wait: float) -> Iterator[None]:
         yield
         return
     try:
-        handle = os.open(folder, os.O_RDONLY)
+        handle = os.open(folder, _FOLDER)
     except PermissionError:  # a folder that is written to and not read
         yield
         return
