@@ -46,7 +46,7 @@ def said(page):
         "view=ball&omega=0.004&columns=20&alpha=0&r=1&V=0",
         "view=ball&omega=0.004&columns=20&alpha=0&r=1&V=0&ball=0.3:0:0",
         "view=oscillator&flow_transient=20000&columns=4&bins=20&flow_starts=1&alpha=0&r=1&V=0",
-        "view=oscillator&omega=0.001&columns=8&bins=20&reduced=no",
+        "view=oscillator&omega=0.004&columns=8&bins=20&reduced=no&alpha=0&r=1&V=0",
     ],
 )
 @LOADED  # orbits that lose nothing: others are soon back at a state, and found at once
