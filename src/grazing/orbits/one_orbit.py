@@ -18,6 +18,8 @@ Floats = NDArray[np.float64]
 SAFETY, BENT = 8.0, 2.0
 #: Part of the size of unknowns by which rounding may move them at most: beyond, orbits are a family rather than one.
 FAR = 0.125
+#: So far from a solution, in its units, Newton's method may end by itself, though its defects be rounding.
+NEAR = 1e-11
 
 
 def moved(F: Floats, J: Floats, x: Floats, rounded: Floats, scale: Floats, least: float) -> Floats:
@@ -44,7 +46,7 @@ def moved(F: Floats, J: Floats, x: Floats, rounded: Floats, scale: Floats, least
     found = BENT * np.abs(inverse) @ (off / rows)
     if not found.max(initial=0.0) < FAR:
         return least * scale
-    return np.asarray(found * scale)
+    return np.asarray(np.maximum(found, NEAR) * scale)
 
 
 def cells(prints: Floats, size: float) -> list[NDArray[np.int64]]:
