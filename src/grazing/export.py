@@ -42,6 +42,7 @@ def to_csv(result: xr.Dataset, path: str | os.PathLike[str]) -> list[Path]:
     down*. Rows that only fill up, where a cell of a chart has no further attractor, are left out.
     Words may consist of digits: tell the reader that they are text, as ``pandas.read_csv(file, dtype={"word": str})``.
     A table says nothing of where it comes from: save the result as ``.nc`` too.
+    Several tables get their names at once, but for a process that is killed, or a power cut, in that very moment.
 
     Parameters
     ----------

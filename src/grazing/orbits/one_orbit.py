@@ -2,7 +2,8 @@
 
 Where the defects F of an orbit are off by e, its solution is off by F'^-1 e to first order. So solutions are copies of
 one where they differ by no more than that, however much it is: next to a law that takes hardly any speed it is a
-million times as much as elsewhere, and two orbits whose equations are well conditioned may be as near as one likes.
+million times as much as elsewhere, and two orbits whose equations are well conditioned may be as near as Newton's
+method leaves them.
 """
 
 from __future__ import annotations
