@@ -230,18 +230,28 @@ def test_nothing_answers_a_question_before_the_reader(shown, address):
 def test_exercises_are_chosen_beside_the_figures(shown, address):
     text = (Path(__file__).parents[2] / "docs" / "exercises.md").read_text(encoding="utf-8")
     asked = dict(re.findall(r"^## \d\. (.+)\n\n```text\n(#.+)\n```", text, re.MULTILINE))
+    answers = [
+        " ".join(told.replace("*", "").split())
+        for told in re.findall(r"<summary>Answer</summary>\n(.+?)</details>", text, re.DOTALL)
+    ]
     shown.open(f"{address}#version=2&view=edges")
     listed = shown.page.eval_on_selector_all("#preset optgroup option", "all => all.map(o => [o.text, o.value])")
     assert {title: link.partition("&note=")[0] for title, link in listed} == asked
     words = " ".join(text.split())
     assert listed[-1][0] == "The table"
+    told = shown.page.evaluate(
+        "async () => Object.values((await import('./presets.js')).EXERCISES).map((each) => each[2])"
+    )
+    assert told == answers
     for title, link in listed:
         question = unquote(link.partition("&note=")[2])
         assert question in words.replace("*", "")
         if title in ("The graze", "Cobweb"):
             shown.page.select_option("#preset", link)
             shown.until("() => document.getElementById('note').checkVisibility()")
-            assert shown.page.inner_text("#note") == question and shown.problem() == ""
+            assert shown.page.inner_text("#note") == f"{question}\nAnswer" and shown.problem() == ""
+            shown.page.click("#note summary")
+            assert shown.page.inner_text("#note p") == answers[[name for name, _ in listed].index(title)]
     shown.page.select_option("#preset", "3.2")
     shown.until("() => !document.getElementById('note').checkVisibility()")
 
