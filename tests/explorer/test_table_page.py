@@ -501,6 +501,7 @@ def test_what_cannot_be_loaded_is_said(shown, address):
     shown.page.goto(address.replace("index.html", "") + "table.html")
     shown.until("() => !document.getElementById('problem').hidden")
     assert "could not be loaded" in shown.page.inner_text("#problem p")
+    assert shown.page.locator("#rungs button:disabled").count() == 4  # of none there is a table to choose
 
 
 @NEEDS_AXE

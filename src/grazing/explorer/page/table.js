@@ -363,15 +363,16 @@ const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.me
 
 async function start() {
   stage(again); // its key waits for nothing that is loaded
-  for (const each of RUNGS) {
+  const rungs = RUNGS.map((each) => {
     const button = document.createElement("button");
-    Object.assign(button, { type: "button", textContent: each.name });
+    Object.assign(button, { type: "button", textContent: each.name, disabled: true });
     button.addEventListener("click", () => {
       if (each !== rung) history.pushState(deep() + 1, "", `#v=1&table=${each.table}`); // Back leads to the table before
       choose(each.table);
     });
     $("paper").before(button);
-  }
+    return button;
+  });
   $("paper").addEventListener("click", (/** @type {Event} */ event) => {
     // back to the step of the tour that was left here, unless in another tab
     if (!location.search || !document.referrer.startsWith(location.origin) || history.length < deep() + 2) return;
@@ -400,6 +401,7 @@ async function start() {
     problem(`The table could not be loaded: ${why(error)}.`);
     return;
   }
+  for (const button of rungs) button.disabled = false; // now there are tables
   listen();
   addEventListener("popstate", () => (problem(""), arrive()));
   if (!arrive() && !still.matches) {
