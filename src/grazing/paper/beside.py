@@ -81,8 +81,7 @@ def draw(data: dict[str, Any]) -> Figure:
     for ax, diagram, edges, name in zip(axes, data["diagrams"], data["windows"], data["names"], strict=True):
         ax.set_xscale("log")
         panel(ax, diagram, edges, "u" if "u" in diagram else "x")
-        ax.set_ylabel("$u_n$" if "u" in diagram else "$x_n$")
-        ax.set_xlabel(r"$\mu$")
+        ax.set(ylabel="$u_n$" if "u" in diagram else "$x_n$", xlabel=r"$\mu$")
         note(ax, name, 0.012, 0.95 if "u" in diagram else 0.05)
         ax.label_outer()
     return fig

@@ -50,8 +50,7 @@ def draw(data: dict[str, Any]) -> Figure:
     fig, (ax, near) = panels(DOUBLE, 82, 1, 2, width_ratios=(1.7, 1.0))
     for each, name in ((ax, "diagram"), (near, "close")):
         drawn = panel(each, data[name], data["windows"], "u")
-        each.set_xlabel("constant part of the forcing, $d$")
-        each.set_ylabel("position at the strobe, $u_n$")
+        each.set(xlabel="constant part of the forcing, $d$", ylabel="position at the strobe, $u_n$")
         if each is ax:
             mark(each, data["graze"], f"graze, $d = k^2a$\n$= {data['graze']:.8f}$", side="right", height=0.99)
         else:

@@ -101,9 +101,7 @@ def draw(data: dict[str, Any]) -> Figure:
             side="right",
             colour=PERIODS[4],
         )
-        ax.set_xlabel("$u(0)$")
-        ax.set_ylabel(f"${coordinate}(T)$")
-        ax.set_xlim(0.01, 0.06)
+        ax.set(xlabel="$u(0)$", ylabel=f"${coordinate}(T)$", xlim=(0.01, 0.06))
     with styled():
         pair[1].legend(loc="best")
     return fig

@@ -48,8 +48,7 @@ def curves(ax: Axes, data: dict[str, Any]) -> None:
             ax.plot(data["l"], bc, color=colour, lw=1.2)
         ax.set_xlim(data["l"][0], data["l"][-1])
         ax.set_ylim(bottom=0.0)
-        ax.set_xlabel("gap, $l$")
-        ax.set_ylabel(r"$\mu$")
+        ax.set(xlabel="gap, $l$", ylabel=r"$\mu$")
         name_curves(ax, data)
     for N, l in data["appear"].items():
         if l > 0.0:

@@ -38,8 +38,7 @@ def gap_panel(
 ) -> dict[str, Any]:
     """Draw one diagram of (2.6): windows named, the graze mu = 0 marked."""
     drawn = panel(ax, data["diagram"], data["windows"], "x", size, longest)
-    ax.set_xlabel(r"$\mu$")
-    ax.set_ylabel("$x_n$")
+    ax.set(xlabel=r"$\mu$", ylabel="$x_n$")
     if float(data["diagram"]["mu"].min()) < 0.0:
         drawn["graze"] = mark(ax, 0.0, r"graze, $\mu = 0$", height=0.12, side="right")
     grey = ("; " if low else "\n") + "grey: no period found" if 0 in drawn["points"] else ""

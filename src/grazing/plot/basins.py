@@ -80,8 +80,7 @@ def basins(
         image = raster(ax, edges[0], edges[1], table_of_colours[index])
         lines = _graze(ax, result, names, graze)
         dots = _points(ax, result, names, colours) if points else {}
-        ax.set_xlim(edges[0][0], edges[0][-1])
-        ax.set_ylim(edges[1][0], edges[1][-1])
+        ax.set(xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
         for axis, (values, _where) in zip((ax.xaxis, ax.yaxis), axis_values, strict=False):
             name_single(axis, values)
         ax.set_xlabel(symbol(result[names[0]]))

@@ -107,8 +107,7 @@ def branch(
             for artist, text in marked(table, ax, chosen, virtual, names, shades):
                 markers.append(artist)
                 texts += [text] if text is not None else []
-        ax.set_xlabel(symbol(tables[0][name]))
-        ax.set_ylabel(symbol(tables[0][chosen]))
+        ax.set(xlabel=symbol(tables[0][name]), ylabel=symbol(tables[0][chosen]))
         if legend:
             explained(ax, tables, virtual, listed)
         spread(ax, texts, markers)

@@ -112,8 +112,7 @@ def chart(
         drawn = lay_curves(ax, curves, own)
         name_single(ax.xaxis, x_values)
         name_single(ax.yaxis, y_values)
-        ax.set_xlabel(symbol(result[first]))
-        ax.set_ylabel(symbol(result[second]))
+        ax.set(xlabel=symbol(result[first]), ylabel=symbol(result[second]))
     return {
         "figure": root(ax),
         "image": image,

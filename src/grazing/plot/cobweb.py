@@ -60,11 +60,9 @@ def cobweb(
         colour = period_colour(x.size if closed else -1)
         (steps,) = ax.plot(corners[:, 0], corners[:, 1], color=colour, lw=0.9, zorder=4)
         (dots,) = ax.plot(x, x, "o", ms=4, color=colour, zorder=5)
-        ax.set_xlim(low, high)
-        ax.set_ylim(low, high)
+        ax.set(xlim=(low, high), ylim=(low, high))
         ax.set_aspect("equal")
-        ax.set_xlabel(mathematics(f"{name}_n", f"{name}, n"))
-        ax.set_ylabel(mathematics(f"{name}_{{n+1}}", f"{name}, n+1"))
+        ax.set(xlabel=mathematics(f"{name}_n", f"{name}, n"), ylabel=mathematics(f"{name}_{{n+1}}", f"{name}, n+1"))
     return {
         "figure": root(ax),
         "graph": pieces,

@@ -87,8 +87,7 @@ def coexistence(
             single = {k: word[k] for k in stack if period[k] >= 1 and known.count(word[k]) == 1}
             names = _names(ax, edges, share, stack, colours, single)
             drawn = {"areas": areas}
-            ax.set_ylim(0.0, 1.0)
-            ax.set_ylabel("share of the starts")
+            ax.set(ylim=(0.0, 1.0), ylabel="share of the starts")
         else:
             drawn = {"lines": _lifetimes(ax, values, shown, stack, colours)}
             ax.set_ylabel("mean steps before settling")

@@ -158,8 +158,7 @@ def lay_curves(ax: Axes, curves: Mapping[str, Any], colours: Mapping[str, str] |
                 bbox={"facecolor": "white", "alpha": 0.85, "lw": 0, "pad": 0.8},
             )
         drawn[name] = (line, text)
-    ax.set_xlim(left, right)
-    ax.set_ylim(low, high)
+    ax.set(xlim=(left, right), ylim=(low, high))
     return drawn
 
 

@@ -88,8 +88,7 @@ def density(
         )
         ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         name_single(ax.xaxis, values)
-        ax.set_xlabel(symbol(result[name]))
-        ax.set_ylabel(symbol(result[coordinate]))
+        ax.set(xlabel=symbol(result[name]), ylabel=symbol(result[coordinate]))
         drawn = _bar(ax, image, units) if bar else None
         note = _note(ax, float(outside.sum()), float(total.sum()), result)
     return {"figure": root(ax), "image": image, "bar": drawn, "note": note, "provenance": provenance_of(result)}

@@ -53,6 +53,5 @@ def escape(result: Any, ax: Axes | None = None, *, colour: str = INK) -> dict[st
         ax = axes_along(ax, 85.0, 60.0, values)
         line, _caps, bars = ax.errorbar(values, rate, yerr=error, fmt="o-", ms=2.5, lw=0.8, color=colour)
         name_single(ax.xaxis, values)
-        ax.set_xlabel(symbol(result[name]))
-        ax.set_ylabel("escape rate per step")
+        ax.set(xlabel=symbol(result[name]), ylabel="escape rate per step")
     return {"figure": root(ax), "rates": line, "errors": bars, "provenance": provenance_of(result)}

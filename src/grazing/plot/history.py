@@ -69,9 +69,7 @@ def history(result: Any, ax: Axes | None = None, *, of: str | None = None, colou
             t, x = np.insert(t, cut, t[cut]), np.insert(x, cut, np.nan)
         impacts += ax.plot(hits, before, "o", ls="", ms=size, mew=0, color=GRAZE, zorder=4)
         (motion,) = ax.plot(t, x, color=colour, lw=width, zorder=3)
-        ax.set_xlim(t[0], t[-1])
-        ax.set_xlabel(quantity(result["t"]))
-        ax.set_ylabel(quantity(result[of]))
+        ax.set(xlim=(t[0], t[-1]), xlabel=quantity(result["t"]), ylabel=quantity(result[of]))
         impacts = impacts[::-1]
         legend = None
         if hits.size:  # above the motion, which may be anywhere

@@ -172,8 +172,7 @@ def _bars(ax: Axes, result: Any) -> dict[str, Any]:
         ax.set_xlabel(f"distance from the graze, in {symbol}")
     else:
         reach = 0.08 * float(np.ptp(seen))
-        ax.set_xlim(seen.min() - reach, seen.max() + reach)
-        ax.set_xlabel(symbol)
+        ax.set(xlim=(seen.min() - reach, seen.max() + reach), xlabel=symbol)
     ax.set_ylim(len(rungs) - 0.4, -0.6)
     ends = sorted(ax.get_xlim())
     to_axes = ax.transScale + ax.transLimits

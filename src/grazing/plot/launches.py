@@ -82,8 +82,7 @@ def launches(
             each = [index.ravel() == k for k in range(len(names))]
             points = [ax.plot(along[here], high[here], ".", ms=3.0, color=colours[way])[0]
                       for way, here in zip(names, each, strict=True)]  # fmt: skip
-            ax.set_xlabel(symbol(result[name]))
-            ax.set_ylabel("impacts" if by == "hits" else "time")
+            ax.set(xlabel=symbol(result[name]), ylabel="impacts" if by == "hits" else "time")
         else:
             ax = axes_along(ax, 130.0, 90.0, x, y)
             edges = edges_of(x, ax.xaxis), edges_of(y, ax.yaxis)
@@ -92,10 +91,8 @@ def launches(
                 image = raster(ax, *edges, palette[index])
             else:
                 image, bar = _logarithmic(ax, edges, np.where(ways != "", hits, np.nan) if by == "hits" else times, by)
-            ax.set_xlim(edges[0][0], edges[0][-1])
-            ax.set_ylim(edges[1][0], edges[1][-1])
-            ax.set_xlabel(symbol(result["angle"]))
-            ax.set_ylabel(symbol(result["speed"]))
+            ax.set(xlim=(edges[0][0], edges[0][-1]), ylim=(edges[1][0], edges[1][-1]))
+            ax.set(xlabel=symbol(result["angle"]), ylabel=symbol(result["speed"]))
         if own and bar is None:
             shares = [share(float((ways == way).mean()), ways.size) for way in names]
             texts = [f"{way or 'still there'}: {part}" for way, part in zip(names, shares, strict=True)]

@@ -83,8 +83,7 @@ def locus(result: Any, ax: Axes | None = None, *, virtual: bool = True, names: b
                     text.set_fontsize(6.5)
                     texts.append(text)
         spread(ax, texts, markers)
-        ax.set_xlabel(symbol(tables[0][x]))
-        ax.set_ylabel(symbol(tables[0][y]))
+        ax.set(xlabel=symbol(tables[0][x]), ylabel=symbol(tables[0][y]))
         legend = ax.legend(handles=list(known.values()), labels=list(known), fontsize=6.5, loc="best")
     return {"figure": root(ax), "lines": lines, "markers": markers, "names": texts, "legend": legend}
 

@@ -93,8 +93,7 @@ def manifolds(
             limits = _limits(result, x, 0), _limits(result, y, 1)
             for text, axis in zip(_labels(result, names), (ax.xaxis, ax.yaxis), strict=True):
                 axis.set_label_text(text)
-        ax.set_xlim(*limits[0])
-        ax.set_ylim(*limits[1])
+        ax.set(xlim=limits[0], ylim=limits[1])
         entries = [Line2D([], [], label=f"{side} manifold", **look)]
         if ends is not None:
             entries.append(Line2D([], [], ls="none", marker="o", label="cut: the map is not smooth", **dot))

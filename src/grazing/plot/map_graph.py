@@ -53,8 +53,7 @@ def map_graph(
             pieces += ax.plot(x, y, color=colour, label=None if pieces else legend, **line)
             if x.size == 1:  # a line of one point is unseen
                 pieces[-1].set(marker="o", markersize=pieces[-1].get_linewidth(), markeredgewidth=0.0)
-        ax.set_xlabel(at_step(graph.coordinate, "n"))
-        ax.set_ylabel(at_step(seen, "n+1"))
+        ax.set(xlabel=at_step(graph.coordinate, "n"), ylabel=at_step(seen, "n+1"))
     return {"pieces": pieces, "figure": root(ax)}
 
 

@@ -102,9 +102,7 @@ def orbit_diagram(
             ax.axvspan(low, high, color=period_colour(ENDED), lw=0, zorder=0)
             for low, high in _ended(values, period, ax.xaxis)
         ]
-        ax.set_xlim(*ends_of(values, ax.xaxis))
-        ax.set_xlabel(symbol(result[name]))
-        ax.set_ylabel(symbol(result[shown]))
+        ax.set(xlim=ends_of(values, ax.xaxis), xlabel=symbol(result[name]), ylabel=symbol(result[shown]))
         if legend:
             tell_ends(entries, result)
             beside = legend_beside(ax, entries, by)

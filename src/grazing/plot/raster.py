@@ -183,6 +183,5 @@ def raster(ax: Axes, x: Floats, y: Floats, cells: NDArray[Any], *, smooth: bool 
         how = "auto" if smooth else "nearest"
         return ax.imshow(turned, extent=extent, origin="lower", aspect="auto", interpolation=how, zorder=1, **look)
     mesh = ax.pcolormesh(x, y, turned, rasterized=True, linewidth=0, zorder=1, **look)
-    ax.set_xlim(x[0], x[-1])
-    ax.set_ylim(y[0], y[-1])
+    ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
     return mesh

@@ -103,8 +103,7 @@ def response(
         at = scale.transform(np.array([values.min(), values.max()]))
         ax.set_xlim(*scale.inverted().transform(at + EDGE * np.ptp(at) * np.array([-1.0, 1.0])))
         drawn = branch(table, ax, virtual=False, names=names, legend=False)
-        ax.set_xlabel(symbol(result[name]))
-        ax.set_ylabel(quantity(result[by]))
+        ax.set(xlabel=symbol(result[name]), ylabel=quantity(result[by]))
         said = explained(ax, table, found, bool(bands)) if legend else None
         spread(ax, drawn["names"], drawn["markers"])
     return {

@@ -55,8 +55,7 @@ def spectrum(
         (lines,) = ax.semilogy(x[1:], np.maximum(y[1:], top * 10.0**-DECADES), color=colour, lw=0.8)
         ax.set_xlim(0.0, last_of(result) * x[-1] if until is None else until)
         ax.set_ylim(top * 10.0**-DECADES, 2.0 * top)
-        ax.set_xlabel(quantity(result[over]))
-        ax.set_ylabel(quantity(result["amplitude"]))
+        ax.set(xlabel=quantity(result[over]), ylabel=quantity(result["amplitude"]))
     return {"figure": root(ax), "lines": lines}
 
 

@@ -109,10 +109,7 @@ def table(table: Any, flown: Any = None, ax: Axes | None = None, *, names: bool 
                 else:
                     ball += ax.plot(*centre, "o", mfc=face, mec=WAY, ms=3.0, mew=0.8, zorder=6)
         ax.set_aspect("equal")
-        ax.set_xlim(x.min() - edge, x.max() + edge)
-        ax.set_ylim(y.min() - edge, y.max() + edge)
-        ax.set_xlabel("$x$")
-        ax.set_ylabel("$y$")
+        ax.set(xlim=(x.min() - edge, x.max() + edge), ylim=(y.min() - edge, y.max() + edge), xlabel="$x$", ylabel="$y$")
         if names:
             name_objects(ax, lines)
     return {"figure": root(ax), "objects": found, "bodies": bodies, "way": way, "ball": ball, "plunger": arrow}

@@ -78,11 +78,8 @@ def trajectory(result: Any, ax: Axes | None = None, *, colour: str = INK, strobe
             if near != outer:  # where it moves
                 ax.axvspan(outer, near, color=WALL, alpha=0.4, lw=0, zorder=0)
         ax.axhline(0.0, color=INK, lw=0.4, zorder=1)
-        ax.set_xlim(*ends)
         room = 0.08 * ((high - low) or 1.0)  # a ball at rest has no scale
-        ax.set_ylim(low - room, high + room)
-        ax.set_xlabel(quantity(result["u"]))
-        ax.set_ylabel(quantity(result["v"]))
+        ax.set(xlim=ends, ylim=(low - room, high + room), xlabel=quantity(result["u"]), ylabel=quantity(result["v"]))
     return {"figure": root(ax), "flights": flights, "impacts": impacts, "strobe": dots, "wall": wall}
 
 

@@ -100,8 +100,7 @@ def validity(
             beside = legend_beside(ax, handles, loc="lower left", bbox_to_anchor=(0.0, 1.0))
         name_single(ax.xaxis, x_values)
         name_single(ax.yaxis, y_values)
-        ax.set_xlabel(symbol(result[first]))
-        ax.set_ylabel(symbol(result[second]))
+        ax.set(xlabel=symbol(result[first]), ylabel=symbol(result[second]))
     return {
         "figure": root(ax),
         "image": image,
@@ -125,6 +124,5 @@ def _graze(ax: Axes, result: Any, first: str, x: tuple[Any, Any], y: tuple[Any, 
     if not ((value > span[0]) & (value < span[1])).any():
         return None
     (line,) = ax.plot(u, v, color=GRAZE, lw=0.9, ls=(0, (5, 2)), zorder=3)
-    ax.set_xlim(x)
-    ax.set_ylim(y)
+    ax.set(xlim=x, ylim=y)
     return line

@@ -65,8 +65,7 @@ def zdm(points: Any, ax: Axes | None = None, *, sigma: float = 0.0, flow: Any = 
         ax.set_ylim(low, high)
         ax.axhline(sigma, color=INK, lw=0.8, zorder=1)
         ax.axvline(0.0, color=INK, lw=0.4, zorder=1)
-        ax.set_xlabel("velocity $V$")
-        ax.set_ylabel("position $U$")
+        ax.set(xlabel="velocity $V$", ylabel="position $U$")
     return {
         "figure": root(ax),
         "points": dots,
