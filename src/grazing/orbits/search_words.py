@@ -31,8 +31,7 @@ def refuse_impossible(P: Map, text: str, letters: tuple[int, ...]) -> None:
     elif P.section == "impact" and (min(letters) < 0 or sum(letters) == 0):
         raise InputError(
             f"no orbit of the impact map has word {shown(text)}: its letters count the strobes from one "
-            f"impact to the next, "
-            "so none is C or S, and at least one is positive"
+            f"impact to the next, so none is C or S, and at least one is positive"
         )
 
 
@@ -45,22 +44,19 @@ def _check_rests(model: Oscillator, text: str, letters: tuple[int, ...]) -> None
     if kick > 0.0:
         raise InputError(
             f"no orbit has word {shown(text)}: with {shown(law)} a ball that touches the wall leaves it at "
-            f"{kick:g}, so it never "
-            "rests; C and S need a law that gives 0 for no speed (V = 0)"
+            f"{kick:g}, so it never rests; C and S need a law that gives 0 for no speed (V = 0)"
         )
     ratio, speed = contraction_at(law, parameters(law.params))
     if CHATTER_LETTER in letters and not (0.0 < ratio < 1.0 and speed > 0.0):
         raise InputError(
             f"no orbit has word {shown(text)}: {shown(law)} is not known to contract slow impacts, so no "
-            f"chatter is completed; "
-            "C needs 0 < r < 1, or a law that declares its contraction"
+            f"chatter is completed; C needs 0 < r < 1, or a law that declares its contraction"
         )
     for before, now in zip((letters[-1], *letters[:-1]), letters, strict=True):
         if now == STUCK_LETTER and before == 0:
             raise InputError(
                 f"no orbit has word {shown(text)}: a ball that rests throughout a period (S) has come to "
-                f"rest before it, so "
-                "the letter before S is S, C or a period with impacts, not 0"
+                f"rest before it, so the letter before S is S, C or a period with impacts, not 0"
             )
 
 

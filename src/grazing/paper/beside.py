@@ -18,10 +18,8 @@ from grazing.studies.orbit_diagram import orbit_diagram
 TITLE = "Figures 1.6 and 3.2 on one axis"
 CAPTION = (
     "Above, the oscillator of Figure 1.6 with d turned into the μ of its normal form; in the middle, the gap map "
-    "with the "
-    "λ and l of that normal form; below, the gap map of Figure 3.2. The axis of μ is logarithmic, so that "
-    "windows of all "
-    "periods have about the same width; the graze is at its left end, infinitely far away."
+    "with the λ and l of that normal form; below, the gap map of Figure 3.2. The axis of μ is logarithmic, so that "
+    "windows of all periods have about the same width; the graze is at its left end, infinitely far away."
 )
 SEE = (
     "The first two rows of windows agree better and better towards the graze. The printed l = 0.21 belongs to a weaker "

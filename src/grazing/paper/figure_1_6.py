@@ -13,8 +13,7 @@ TITLE = "Active oscillator, bifurcation diagram"
 PARAMETERS = {"alpha": 3, "k": 1, "omega": 2.2, "t0": 0, "r": 0.8, "V": 0.4, "d": "0.05 to 0.16"}
 CAPTION = (
     "As Figure 1.3, with the bumper: V = 0.4. Bars above are the exact windows of the orbits with one impact in "
-    "N periods; "
-    "where two bars lie over one another, both orbits are found from random starts."
+    "N periods; where two bars lie over one another, both orbits are found from random starts."
 )
 SEE = "At the graze the attractor jumps to its full size at once; neighbouring windows N and N + 1 overlap."
 

@@ -37,8 +37,7 @@ CAPTION = (
 )
 SEE = (
     "Each map jumps at its own graze; between the two they differ by the whole jump, above both they agree to "
-    "rounding, "
-    "below them the square root is met: u(T) differs by less than 0.007, most just below the true graze."
+    "rounding, below them the square root is met: u(T) differs by less than 0.007, most just below the true graze."
 )
 
 

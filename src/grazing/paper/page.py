@@ -134,8 +134,7 @@ def window_table(run: Run) -> str:
     return (
         "<h2>Windows of the oscillator and of its normal form</h2>"
         "<p>Edges in d of the stable orbits with one impact in N periods, S with V = 0.4. Lower edge: the last "
-        "dip before the "
-        "impact grazes, in the normal form the border collision. Upper edge: period doubling.</p>"
+        "dip before the impact grazes, in the normal form the border collision. Upper edge: period doubling.</p>"
         "<table><tr><th>N</th><th>lower edge, exact</th><th>normal form</th><th>error</th>"
         f"<th>upper edge, exact</th><th>normal form</th><th>error</th></tr>{rows}</table>"
     )

@@ -8,13 +8,11 @@ SLIPS = {
     4: "Two thresholds are read off figures: period 5 is stable for l > 0.179624 (λ = 0.9), not 0.19; periods 3 and 4 "
     "coexist from l = 0.058594 (λ = 0.5), not 0.05.",
     5: "The text on Figure 3.4 names Ω2 ∩ Ω3 and the distance of μ_BC,4 from μ_BC,3; the figure is about Ω3 ∩ "
-    "Ω4, whose "
-    "width is μ_BC,4 − μ_PD,3.",
+    "Ω4, whose width is μ_BC,4 − μ_PD,3.",
     6: "Figure 3.2: l = 0.21 does not belong to the physical parameters named; with the acceleration at the graze, "
     "A = ω²a = 0.633855, it is 0.324676 for V = 0.2 and 0.649353 for V = 0.4.",
     7: "(2.5) is P_T alone, no impact occurs there; the matrix B has −k² where −1 is printed; in the zero-time "
-    "map R is "
-    "the active law (1.3), not (1.2).",
+    "map R is the active law (1.3), not (1.2).",
     8: "A is the acceleration f − αv − k²u at the state, not the forcing f; it varies along the curve of Figure 2.2.",
     9: "The map in (x, y) is exact only up to terms in v²; and (2.6) also drops λx for x ≥ 0, which the "
     "two-dimensional map keeps.",
@@ -23,8 +21,7 @@ SLIPS = {
     11: "Figure 3.5: for l > 0 it is the windows of large N, near μ = 0, that overlap; chaos between windows is "
     "left at moderate N.",
     12: "At μ = 0 the interval [−l, 0] is the trapping interval; the attractor is {0}. And a window says where "
-    "an orbit is "
-    "stable: the orbit exists, unstable, beyond it.",
+    "an orbit is stable: the orbit exists, unstable, beyond it.",
     13: "The two maps of Figure 2.2 agree exactly above u(0) = 0.0395866, the graze of (2.4), not above 0.038.",
     14: "Below (2.3), with δ put in, (2.2) gives U3 = U0 − δ(V + (1 + r)√(V0² − 2AU0)). Harmless: the lowest "
     "order keeps U3 = U0.",
