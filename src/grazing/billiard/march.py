@@ -22,18 +22,7 @@ from grazing.billiard.faces import (
     sunk,
 )
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
-from grazing.billiard.gaps import (
-    DEEP,
-    EPS,
-    GAP,
-    LOOKS,
-    crossing,
-    first_step,
-    lowest,
-    rests,
-    slid_off,
-    touches,
-)
+from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, crossing, first_step, lowest, rests, slid_off, touches
 from grazing.billiard.rows import (
     BARE,
     CIRCLES,

@@ -10,17 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.billiard.flown import (
-    BEFORE,
-    FLAGS,
-    NEXT,
-    PATH,
-    SURFACE,
-    TIME,
-    block_played,
-    followed,
-    played_flights,
-)
+from grazing.billiard.flown import BEFORE, FLAGS, NEXT, PATH, SURFACE, TIME, block_played, followed, played_flights
 from grazing.billiard.flown import OWNER as FLOWN_OWNER
 from grazing.billiard.hit import met, place_at, spot_at
 from grazing.billiard.objects import ARC, DISC, DRAIN, FLIPPER
@@ -31,15 +21,7 @@ from grazing.billiard.table import AWAY, Table
 from grazing.kernel.compile import call, compiled
 from grazing.kernel.lanes import abreast_loop
 from grazing.kernel.primitives import numbers
-from grazing.maps.collide import (
-    STEADY,
-    TIMED,
-    Place,
-    all_collided,
-    gone,
-    named,
-    velocity,
-)
+from grazing.maps.collide import STEADY, TIMED, Place, all_collided, gone, named, velocity
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Names
 from grazing.maps.map import Map

@@ -34,9 +34,7 @@ from grazing.oscillator.impacts import impacts_of
 from grazing.oscillator.legs import flown_legs
 from grazing.oscillator.pointed import POINTED, law_kind, strike_address
 from grazing.oscillator.walled import Walled
-from grazing.outcome import (
-    CHATTER as CHATTERED,
-)
+from grazing.outcome import CHATTER as CHATTERED
 from grazing.pool import Task
 
 Floats = NDArray[np.float64]

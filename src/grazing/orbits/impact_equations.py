@@ -16,14 +16,7 @@ from grazing.maps.period import product, saltation
 from grazing.maps.stroboscopic import stroboscopic_map
 from grazing.orbits.closing import CONTACT, DEEP, ENDING, FORCE, LOW, OTHER, PROFILE, SLOPE, STRUCK, closer
 from grazing.orbits.closure import FIRED, WHOLE
-from grazing.orbits.contacts import (
-    PIECES,
-    addresses,
-    frames_at,
-    letters_of_walls,
-    piece_of,
-    wall_of,
-)
+from grazing.orbits.contacts import PIECES, addresses, frames_at, letters_of_walls, piece_of, wall_of
 from grazing.orbits.equations import ONE, Equations, Test
 from grazing.orbits.even_equations import EVEN, EvenEquations
 from grazing.orbits.flight_equations import FlightEquations, Prepared

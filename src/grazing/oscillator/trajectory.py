@@ -31,14 +31,7 @@ from grazing.oscillator.rig import Rig
 from grazing.oscillator.spring import frequency_of
 from grazing.oscillator.walled import Walled
 from grazing.oscillator.walled_trajectory import said_of, walled_trajectory
-from grazing.outcome import (
-    AMBIGUOUS,
-    TOO_MANY_SWINGS,
-    InputError,
-    Trust,
-    describe,
-    shown,
-)
+from grazing.outcome import AMBIGUOUS, TOO_MANY_SWINGS, InputError, Trust, describe, shown
 from grazing.parameter import COARSE, LATEST, in_order, parameters, real, refuse_late, whole
 from grazing.systems.contract import System
 from grazing.systems.trajectory import system_trajectory

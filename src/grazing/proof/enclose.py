@@ -15,15 +15,7 @@ from grazing.orbits.orbit import Orbit
 from grazing.oscillator.sure import Undecided
 from grazing.outcome import InputError, shown
 from grazing.parameter import checked_name, named_by
-from grazing.proof.certify import (
-    Certificate,
-    accepted,
-    at_some_precision,
-    balls,
-    guess_of,
-    not_proven,
-    with_impacts,
-)
+from grazing.proof.certify import Certificate, accepted, at_some_precision, balls, guess_of, not_proven, with_impacts
 from grazing.proof.clearance import Cleared, check_impacts, cleared_flight, started
 from grazing.proof.curve import End, curve_image, enclosed_curve, end_of, units_of
 from grazing.proof.equations import Equations

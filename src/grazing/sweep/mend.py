@@ -14,15 +14,7 @@ from grazing.studies.plan import Plan
 from grazing.sweep.files import MISFIT, Print, clear_way, is_plain, print_of, read_file, write_file
 from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, FORMAT, LAYOUT, Layout, laid_out
-from grazing.sweep.manifest import (
-    MANIFEST,
-    SEAL,
-    TEMPLATE,
-    identities_named,
-    read_seal,
-    read_template,
-    template_of,
-)
+from grazing.sweep.manifest import MANIFEST, SEAL, TEMPLATE, identities_named, read_seal, read_template, template_of
 from grazing.sweep.store import Store
 from grazing.sweep.template import coordinate_files, manifest_of, write_template
 

@@ -14,13 +14,7 @@ from grazing.sweep.codec import CODECS, type_named
 from grazing.sweep.files import MISFIT, read_file
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, MOST, RECIPE, UNBOUND, Layout, Spec
 from grazing.sweep.letters import TEXT
-from grazing.sweep.manifest import (
-    MANIFEST,
-    SEAL,
-    Template,
-    read_seal,
-    read_template,
-)
+from grazing.sweep.manifest import MANIFEST, SEAL, Template, read_seal, read_template
 from grazing.sweep.store import ASIDE, Store
 
 

@@ -24,16 +24,7 @@ from grazing.sweep.grid import Grid
 from grazing.sweep.layout import DONE, MADE_BY, RECIPE, Layout, Spec
 from grazing.sweep.letters import encoded
 from grazing.sweep.made_by import made_by
-from grazing.sweep.manifest import (
-    CHUNKS,
-    MANIFEST,
-    SEAL,
-    Record,
-    Template,
-    read_record,
-    record_lines,
-    seal_lines,
-)
+from grazing.sweep.manifest import CHUNKS, MANIFEST, SEAL, Record, Template, read_record, record_lines, seal_lines
 
 Arrays = Mapping[str, NDArray[Any]]
 #: Locks, times and the history: what differs between two runs, and so is no part of the result.
