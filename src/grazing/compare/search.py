@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from grazing.maps.map import Map
 from grazing.orbits.branch import Branch, Unsettled, followed
 from grazing.orbits.branch_search import SHARE, Piece, Work
-from grazing.orbits.branch_windows import between, windows_of_piece
+from grazing.orbits.branch_windows import windows_of_piece
 from grazing.orbits.contacts import model_of
 from grazing.orbits.free_equations import free_orbit
 from grazing.orbits.orbit import Orbit, multipliers_of
@@ -307,7 +307,7 @@ def stable_at(piece: Piece, value: float) -> list[Orbit]:
     for i in piece.passing(value):
         ends = piece.orbits[i], piece.orbits[i + 1]
         if any(end.stable or j in piece.events for j, end in zip((i, i + 1), ends, strict=True)):
-            orbit = between(piece, i, value)
+            orbit = piece.between(i, value)
             if orbit is not None and orbit.stable and orbit.admissible:
                 found.append(orbit)
     return found

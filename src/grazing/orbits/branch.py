@@ -17,13 +17,7 @@ from grazing.orbits.equations import Equations
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Relabelling, Special
-from grazing.orbits.switching import (
-    Seed,
-    seeded,
-    seeded_at_fold,
-    switched,
-    turns,
-)
+from grazing.orbits.switching import Seed, seeded, seeded_at_fold, switched, turns
 from grazing.outcome import InputError, abridged, listed, shown
 from grazing.parameter import checked_name, named_by, real, refuse_ends, value_of, whole
 
@@ -119,16 +113,9 @@ class Branch(ByValue):
             In the order in which the branch passes them; empty where it has none.
         """
         value = real(value, self.parameter, f"give a value in [{self.bounds[0]:g}, {self.bounds[1]:g}]")
-        found = []
-        for piece in self.pieces:
-            for i in piece.passing(value):
-                a, b = piece.values[i], piece.values[i + 1]
-                share = (value - a) / (b - a) if b != a else 0.0
-                x = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
-                solved = closed(piece.equations, x, np.array([value]))
-                if solved is not None and not (i > 0 and a == value):
-                    found.append(piece.equations.orbit(solved, np.array([value])))
-        return tuple(found)
+        places = ((piece, i) for piece in self.pieces for i in piece.passing(value))
+        found = (piece.between(i, value) for piece, i in places if i == 0 or piece.values[i] != value)
+        return tuple(orbit for orbit in found if orbit is not None)
 
 
 def continuation(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.copies import ByValue
-from grazing.orbits.corrector import Point, point_at, unscaled
+from grazing.orbits.corrector import Point, closed, point_at, unscaled
 from grazing.orbits.equations import Equations
 from grazing.orbits.events import HALVES, Event, located
 from grazing.orbits.orbit import Orbit
@@ -68,6 +68,14 @@ class Piece(ByValue):
         """Return after which orbits the piece passes a value of the parameter, or lies at it."""
         a, b = self.values[:-1], self.values[1:]
         return np.flatnonzero((np.minimum(a, b) <= value) & (value <= np.maximum(a, b))).tolist()
+
+    def between(self, i: int, value: float) -> Orbit | None:
+        """Return the orbit at a value between those of one orbit and the next, solved there; None if lost."""
+        low, high = self.values[i], self.values[i + 1]
+        share = (value - low) / (high - low) if high != low else 0.0
+        guess = self.unknowns[i] + share * (self.unknowns[i + 1] - self.unknowns[i])
+        x = closed(self.equations, guess, np.array([value]))
+        return None if x is None else self.equations.orbit(x, np.array([value]))
 
 
 @dataclass

@@ -4,11 +4,8 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-import numpy as np
-
 from grazing.orbits.branch import Branch
 from grazing.orbits.branch_search import Piece
-from grazing.orbits.corrector import closed
 from grazing.orbits.orbit import Orbit
 
 
@@ -28,21 +25,12 @@ class Window(NamedTuple):
     at: tuple[int, int]
 
 
-def between(piece: Piece, i: int, value: float) -> Orbit | None:
-    """Return the orbit at a value between those of one orbit of a piece and the next, solved there; None if lost."""
-    low, high = piece.values[i], piece.values[i + 1]
-    share = (value - low) / (high - low) if high != low else 0.0
-    guess = piece.unknowns[i] + share * (piece.unknowns[i + 1] - piece.unknowns[i])
-    x = closed(piece.equations, guess, np.array([value]))
-    return None if x is None else piece.equations.orbit(x, np.array([value]))
-
-
 def attracts(piece: Piece, i: int) -> bool:
     """Whether a piece is stable and admissible between one of its orbits and the next."""
     for j in (i, i + 1):
         if j not in piece.events:
             return piece.orbits[j].stable and piece.orbits[j].admissible
-    orbit = between(piece, i, 0.5 * float(piece.values[i] + piece.values[i + 1]))
+    orbit = piece.between(i, 0.5 * float(piece.values[i] + piece.values[i + 1]))
     return orbit is not None and orbit.stable and orbit.admissible
 
 
