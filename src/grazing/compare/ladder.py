@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing.compare.branches import Linearised, Local, Point
-from grazing.compare.edges import Window, march, windows_on
+from grazing.compare.edges import march, windows_on
 from grazing.compare.orders import LAST, with_orders
 from grazing.maps.normal_form import NormalForm, constants, normal_form
 from grazing.orbits.windows import EDGES, windows
@@ -154,7 +154,8 @@ def climb(model: Oscillator, form: NormalForm, N: int, rungs: Sequence[str]) -> 
     reason = "" if known else f"no stable orbit with one impact in {N} periods"
     window = max(known, key=lambda w: abs(w.fast.value - w.slow.value), default=None)
     if "linearised" in rungs:
-        found["linearised"] = Found(status=reason) if window is None else _of_linearised(form, window)
+        edges = [(edge.value, edge.type, edge.dip) for edge in window or ()]
+        found["linearised"] = _placed(form, edges) if edges else Found(status=reason)
     unit = form.scale**0.5
     near: Point | None = None
     top = 1.0 if window is None else window.fast.point.s
@@ -181,10 +182,6 @@ def _of_gap(form: NormalForm, N: int) -> Found:
     if not pd < bc:
         return Found(status=f"no stable orbit with one impact in {N} periods")
     return _placed(form, [(pd, "pd", 0), (bc, "gr", 1)])
-
-
-def _of_linearised(form: NormalForm, window: Window) -> Found:
-    return _placed(form, [(edge.value, edge.type, edge.dip) for edge in window])
 
 
 def _placed(form: NormalForm, edges: list[tuple[float, str, int]]) -> Found:

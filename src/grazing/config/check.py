@@ -331,16 +331,13 @@ def _orbits(config: Recipe, ranges: Recipe, names: list[str], broken: bool) -> I
         elif name in ranges:
             yield Problem(("settings", "locus"), f"{name} is the parameter of the branch; give another one")
     at = settings.get("at")
-    for name, written in ranges.items() if isinstance(at, list) and written_bounds(ranges) else ():
+    if not isinstance(at, list) or DEFAULT in ranges.values():  # bounds that a study chooses are not known here
+        return
+    for name, written in ranges.items():
         low, high = extremes(written)
         outside = [value for value in at if not low <= value <= high]
         if outside:
             yield Problem(("settings", "at"), f"at = {outside[0]:g}; allowed is {low:g} <= {name} <= {high:g}")
-
-
-def written_bounds(ranges: Recipe) -> bool:
-    """Say whether what varies has bounds, and not those that a study chooses."""
-    return DEFAULT not in ranges.values()
 
 
 def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]]:

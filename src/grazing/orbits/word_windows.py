@@ -206,13 +206,9 @@ def _phase(equations: ImpactEquations, orbit: ImpactOrbit) -> float:
     return float(model.params["omega"] * (orbit.times[first] + model.params["t0"]) % (2.0 * np.pi))
 
 
-def _event(piece: Piece, index: int) -> str:
-    return dict(zip(piece.events, piece.types, strict=True)).get(index, "")
-
-
 def _edge(branch: Branch, number: int, piece: Piece, index: int) -> tuple[Edge, str]:
     """Return where a window ends, at a special point of a piece or at an end of it, and the wall that this is about."""
-    value, kind = float(piece.values[index]), _event(piece, index)
+    value, kind = float(piece.values[index]), dict(zip(piece.events, piece.types, strict=True)).get(index, "")
     if not kind:
         reason = piece.ends[0 if index == 0 else 1]
         return Edge(value, "end", "span" if reason == "bounds" else "bracket"), ""
