@@ -9,6 +9,7 @@ from functools import partial
 from typing import Any
 
 from pydantic import BaseModel, ValidationError
+from pydantic.fields import FieldInfo
 
 from grazing.outcome import InputError, listed, shown
 from grazing.parameter import called_here, foreign
@@ -98,11 +99,12 @@ def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
     if kind == "value_error":
         return Problem(path, str(item["ctx"]["error"]))
     if kind == "extra_forbidden":
-        inside = len(path) == 1 and path[0] in _keys(schema, ("settings",))
+        inside = len(path) == 1 and path[0] in _fields(schema, ("settings",))
         what = "unknown key here; it belongs in [settings]" if inside else "unknown key"
-        return Problem(path, partial(unknown_key, path[-1], _keys(schema, path[:-1]), what))
+        return Problem(path, partial(unknown_key, path[-1], _fields(schema, path[:-1]), what))
     if kind == "missing":
-        return Problem(path, f"missing; give {_meaning(schema, path)}")
+        field = _fields(schema, path[:-1]).get(path[-1])
+        return Problem(path, f"missing; give {(field and field.description) or 'it'}")
     if kind == "literal_error":
         return Problem(path, f"{path[-1]} = {shown(got)}; allowed are {item['ctx']['expected'].replace(' or ', ', ')}")
     if kind in ("model_type", "dict_type"):
@@ -119,20 +121,11 @@ def _in_words(item: Any, schema: type[BaseModel]) -> Problem:
     return Problem(path, f"{path[-1]} = {shown(got)}: {item['msg']}")
 
 
-def _keys(schema: type[BaseModel], path: Path) -> list[str]:
-    """Return the keys of the table at a path."""
+def _fields(schema: type[BaseModel], path: Path) -> dict[str, FieldInfo]:
+    """Return the fields of the table at a path, by their keys."""
     for part in path:
         inner = schema.model_fields[part].annotation
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-            return []
+            return {}
         schema = inner
-    return list(schema.model_fields)
-
-
-def _meaning(schema: type[BaseModel], path: Path) -> str:
-    for part in path[:-1]:
-        inner = schema.model_fields[part].annotation
-        if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
-            return "it"
-        schema = inner
-    return schema.model_fields[path[-1]].description or "it"
+    return schema.model_fields
