@@ -1,4 +1,4 @@
-"""Packages that are imported where they are first needed, each as a whole: an interrupt waits until it is there."""
+"""What is imported where it is first needed; packages each as a whole: an interrupt waits until it is there."""
 
 from __future__ import annotations
 
@@ -32,6 +32,12 @@ PACKAGES = {
     "xarray": "xarray",
     "zarr": "zarr",
 }
+
+
+def named(place: str) -> Any:
+    """Return what a text names as ``module:name``: of a layer above, or of a module that takes time to import."""
+    module, _, name = place.partition(":")
+    return getattr(import_module(module), name)
 
 
 def __getattr__(name: str) -> Any:

@@ -6,7 +6,7 @@ from pathlib import Path
 import pytest
 
 from grazing.catalogue import studies
-from grazing.catalogue.study import named
+from grazing.late import named
 from tests.processes import python
 
 MAKE = Path(__file__).parents[2] / "docs" / "make_api.py"

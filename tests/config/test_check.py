@@ -9,13 +9,13 @@ import pytest
 import grazing as gz
 from grazing import InputError
 from grazing.catalogue import studies
-from grazing.catalogue.study import named
 from grazing.config import checked
 from grazing.config.build import map_in
 from grazing.config.maps import map_of, names_of
 from grazing.config.parameters import LAWS, law_names, parameter_names
 from grazing.config.schema import MAPS
 from grazing.config.settings import ARGUMENTS, SETTINGS, settings_of
+from grazing.late import named
 
 DIAGRAM = {"study": "diagram", "vary": {"d": "0.05:0.16:5"}}
 GAP = {"study": "diagram", "map": "gap", "parameters": {"lam": 0.5, "l": 0.1}, "vary": {"mu": "0:0.1:5"}}

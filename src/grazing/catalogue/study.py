@@ -5,9 +5,9 @@ from __future__ import annotations
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from functools import cache
-from importlib import import_module
 from typing import Any
+
+from grazing.late import named
 
 Row = dict[str, Any]
 PARAMETER, COORDINATE = "parameter", "coordinate"
@@ -113,10 +113,3 @@ class Study:
     def has(self, argument: str) -> bool:
         """Say whether the function has an argument."""
         return argument in inspect.signature(named(self.compute)).parameters
-
-
-@cache
-def named(text: str) -> Callable[..., Any]:
-    """Return the function that a text names as ``module:name``."""
-    module, _, name = text.partition(":")
-    return getattr(import_module(module), name)  # type: ignore[no-any-return]

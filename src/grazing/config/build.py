@@ -9,13 +9,14 @@ from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from grazing.catalogue import studies
-from grazing.catalogue.study import Study, named
+from grazing.catalogue.study import Study
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
 from grazing.config.own import refuse_unnamed
 from grazing.config.parameters import described, parameter_names
 from grazing.config.schema import ALONE
 from grazing.config.values import DEFAULT, extremes, values_of
+from grazing.late import named
 from grazing.maps.map import Map
 from grazing.orbits.boundaries import boundaries
 from grazing.outcome import InputError

@@ -10,9 +10,9 @@ from typing import Any
 from pydantic import Field, create_model
 
 from grazing.catalogue import studies
-from grazing.catalogue.study import named
 from grazing.config import values
 from grazing.config.parameters import Table, optional
+from grazing.late import named
 from grazing.outcome import InputError, shown
 
 

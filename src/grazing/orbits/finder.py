@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from importlib import import_module
-from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
+from typing import TYPE_CHECKING, ClassVar, NamedTuple
 
+from grazing.late import named
 from grazing.maps.map import Map
 from grazing.orbits.orbit import Orbit
 from grazing.outcome import listed
@@ -100,12 +100,6 @@ class Finder:
     def beside(self, s: Searched, word: str | None) -> str:
         """Say what else was tried."""
         return ""
-
-
-def named(place: str) -> Any:
-    """Return what an object of a layer below, or of another system, names as ``module:name``."""
-    module, _, name = place.partition(":")
-    return getattr(import_module(module), name)
 
 
 def finder_of(P: Map) -> Finder:

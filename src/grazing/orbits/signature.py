@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.late import named
 from grazing.maps.map import Map
 from grazing.orbits.contacts import (
     left_walls,
@@ -18,7 +19,6 @@ from grazing.orbits.contacts import (
     strobes_of,
 )  # fmt: skip
 from grazing.orbits.equations import Equations
-from grazing.orbits.finder import named
 from grazing.orbits.free_equations import FreeEquations
 from grazing.orbits.impact_equations import ImpactEquations
 from grazing.orbits.impact_orbit import ImpactOrbit

@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from grazing import late
+from grazing.late import named
 from grazing.orbits.corrector import Point, closed, corrected, linearised, tangent_of, weighed
 from grazing.orbits.equations import Equations, Test
 from grazing.orbits.events import Event
-from grazing.orbits.finder import named
 from grazing.orbits.signature import equations_of
 from grazing.orbits.special import Special
 from grazing.outcome import InputError

@@ -10,9 +10,9 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from grazing.copies import ByValue
+from grazing.late import named
 from grazing.orbits.bounce_orbit import BounceOrbit
 from grazing.orbits.contacts import model_of, numbered
-from grazing.orbits.finder import named
 from grazing.orbits.impact_orbit import ImpactOrbit
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.signature import flown, rests

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
-from grazing.orbits.finder import named
+from grazing.late import named
 from grazing.outcome import InputError, shown
 from grazing.proof.expression import NotAnExpression
 
