@@ -184,7 +184,7 @@ def stop(done, of):
 
 signal.signal(signal.SIGINT, signal.default_int_handler)
 try:
-    with sweep.cluster("local", 2, threads_per_worker=1) as executor:
+    with sweep.cluster("local", 1, threads_per_worker=1) as executor:
         sweep.run(plan(n=400, pause=0.1), sys.argv[1], chunk=4, executor=executor, progress=stop)
 except KeyboardInterrupt:
     print("interrupted")
