@@ -44,7 +44,8 @@ CONFIGS = [
     {"study": "trajectory", "settings": {"state": [0.1, -0.25], "until": 7.0}},
     {"study": "cobweb", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "settings": {"state": [-0.1]}},
     {"study": "graph", "order": "corrected", "law": "newton", "vary": {"v": "-0.3:0.1:9"}, "coordinate": "u",
-     "parameters": {**BALL, "d": 0.12, "cos": [0.5, -0.25], "sin": [0.0, 0.3], "sigma": -0.1}, "settings": {"fixed": {"u": 0.02}}},
+     "parameters": {**BALL, "d": 0.12, "cos": [0.5, -0.25], "sin": [0.0, 0.3], "sigma": -0.1},
+     "settings": {"fixed": {"u": 0.02}}},
     {"study": "graph", "order": "none", "vary": {"u": [0.01, 0.05, 0.02]}, "parameters": {"phase": 0.25}},
     {"study": "graph", "map": "gap", "parameters": {"lam": 0.5, "l": 0.0, "mu": -0.1}, "vary": {"x": "-1:1:9"}},
 ]  # fmt: skip
