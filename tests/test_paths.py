@@ -61,6 +61,16 @@ def test_what_no_file_can_be_called_is_a_sentence(here, use, ending):
     assert {path.name for path in here.iterdir()} == {"loop", "file", "pipe"}
 
 
+@pytest.mark.skipif(os.name != "posix", reason="names of 255 bytes")
+@pytest.mark.parametrize(
+    ("write", "ending"), [*((write, ending) for ending, write in WRITERS.items()), (STORES["run"], ".zarr")]
+)
+def test_a_name_that_is_too_long_is_no_fault_of_the_folder(tmp_path, write, ending):
+    with pytest.raises(gz.InputError, match="too long; give a shorter name"):
+        write(tmp_path / f"{'n' * 256}{ending}")
+    assert not [*tmp_path.iterdir()]
+
+
 def test_folders_that_cannot_be_entered():
     with tempfile.TemporaryDirectory() as name:
         place = Path(name)

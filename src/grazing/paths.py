@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import stat
 from collections.abc import Iterator
@@ -34,6 +35,11 @@ def path_of(given: Any) -> Path:
     except (TypeError, ValueError):  # no text, or letters that no system writes
         pass
     raise InputError(f"{shown(given)} is no name of a file; give a path")
+
+
+def remedy(error: OSError) -> str:
+    """Return what helps where the system makes no file of a name."""
+    return "give a shorter name" if error.errno == errno.ENAMETOOLONG else "choose another folder"
 
 
 @contextmanager

@@ -17,7 +17,7 @@ from uuid import uuid4
 
 from grazing.interrupt import held_back
 from grazing.outcome import InputError
-from grazing.paths import path_of
+from grazing.paths import path_of, remedy
 
 try:
     import fcntl
@@ -73,6 +73,8 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
             raise InputError(f"{target} is a {kind}, which a file would replace; give the name of a file")
     try:
         for target in targets:
+            with suppress(FileNotFoundError):
+                os.lstat(target)  # a name that is too long is said before anything is written
             if os.path.isfile(target) and not os.access(target, os.W_OK, effective_ids=EFFECTIVE):
                 raise InputError(f"{target} is protected against writing; give another name")
         remove_left(targets[0].parent)
@@ -85,7 +87,7 @@ def whole_files(paths: Sequence[str | os.PathLike[str]]) -> Iterator[list[Path]]
             _named(parts, targets)
     except OSError as error:
         names = ", ".join(map(str, targets))
-        raise InputError(f"{names} cannot be written: {error.strerror or error}; choose another folder") from error
+        raise InputError(f"{names} cannot be written: {error.strerror or error}; {remedy(error)}") from error
 
 
 def _named(parts: list[Path], targets: list[Path]) -> None:

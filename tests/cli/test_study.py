@@ -213,6 +213,7 @@ def test_errors_name_options_and_keys_of_the_file(folder, capsys):
             "-o a.txt: the ending chooses the format; allowed are png, pdf, svg, nc, csv, parquet, zarr",
         ),
         ("diagram d=0.1:0.2:5 -o no/a.png", "there is no folder no; make it first"),
+        (f"diagram d=0.1:0.2:5 -o {'n' * 256}.png", "the name is too long for a file; give a shorter name"),
         ("diagram d=0.1:0.2:5 -o .png", "the ending chooses the format"),
         ("diagram d=0.1:0.2:5 -o a.zarr -o b.zarr", "one store at a time"),
         ("diagram --config no.toml", "there is no file no.toml"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import warnings
 from collections.abc import Sequence
@@ -46,6 +47,8 @@ def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS, 
             raise InputError(f"{option} {path}: the ending chooses the format; allowed are {endings}, in small letters")
         if not os.path.isdir(path.parent):
             raise InputError(f"{option} {path}: there is no folder {path.parent}; make it first")
+        if _is_too_long(path):
+            raise InputError(f"{option} {path}: the name is too long for a file; give a shorter name")
         if os.path.isdir(path) and path.suffix != STORE:
             raise InputError(f"{option} {path}: that is a folder; give the name of a file")
         if not os.access(path if os.path.exists(path) and path.suffix != STORE else path.parent, os.W_OK):
@@ -54,6 +57,14 @@ def targets(out: Sequence[str | Path] | None, allowed: Sequence[str] = ENDINGS, 
     if len(stores) > 1:
         raise InputError(f"-o {' -o '.join(stores)}: one store at a time")
     return paths
+
+
+def _is_too_long(path: Path) -> bool:
+    try:
+        os.lstat(path)
+    except OSError as error:
+        return error.errno == errno.ENAMETOOLONG
+    return False
 
 
 UNITS = "Units of what is printed, drawn and written, for a model in SI units: mm,Hz,N s."

@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any
 
 from grazing.outcome import InputError, in_one_line
+from grazing.paths import remedy
 from grazing.sweep.codec import CODECS, type_named
 from grazing.sweep.files import MISFIT, read_file
 from grazing.sweep.layout import DONE, LAYOUT, MADE_BY, MOST, RECIPE, UNBOUND, Layout, Spec
@@ -41,7 +42,7 @@ def exists(path: Path) -> bool:
         if other:
             raise InputError(f"{path} is a folder without a sweep; a sweep is stored in a folder of its own")
     except OSError as error:
-        raise InputError(f"{path} cannot be read: {error.strerror or error}; choose another folder") from error
+        raise InputError(f"{path} cannot be read: {error.strerror or error}; {remedy(error)}") from error
     return False
 
 

@@ -19,6 +19,7 @@ from uuid import uuid4
 import numpy as np
 
 from grazing.outcome import InputError
+from grazing.paths import remedy
 from grazing.studies.plan import Plan
 from grazing.sweep.codec import encode, fill_value
 from grazing.sweep.files import Print, fsync_folder, print_of, read_file, write_file
@@ -61,7 +62,7 @@ def create(path: Path, plan: Plan, grid: Grid, fsync: bool = False) -> None:
             if not os.path.isfile(path / "zarr.json"):  # else another process made the store in the meantime
                 raise
     except OSError as error:
-        raise InputError(f"{path} cannot be made: {error.strerror or error}; choose another folder") from error
+        raise InputError(f"{path} cannot be made: {error.strerror or error}; {remedy(error)}") from error
     finally:
         _remove(half)
 
