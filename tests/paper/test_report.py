@@ -275,3 +275,27 @@ def test_a_figure_is_laid_out_once_and_drawn_once_for_each_file(tmp_path, monkey
     data.set_result(None)
     assert reporting.drawn(tmp_path, "0.0", data, "quick") == ["figure-0.0.png", "figure-0.0.pdf"]
     assert (len(layouts), len(draws)) == (1, 2)
+
+
+IMPORTS = """
+import sys, threading
+from grazing.paper import report
+
+class Seen:
+    def find_spec(self, name, path=None, target=None):
+        if threading.current_thread() is threading.main_thread():
+            print(name)
+
+def pool(count, make=report.ThreadPoolExecutor):
+    sys.meta_path.insert(0, Seen())
+    return make(count)
+
+report.ThreadPoolExecutor = pool
+report.report(sys.argv[1], "3.1", "small", lambda *step: sys.meta_path.pop(0) if step[0] == 1 else None)
+"""
+
+
+def test_no_package_that_draws_is_imported_while_another_thread_imports(tmp_path):
+    """An interrupt in the import of backend_pdf left the other thread waiting, and the command hung."""
+    imported = in_another_process(IMPORTS, str(tmp_path))
+    assert not re.findall(r"^(?:matplotlib\.backends|grazing)\b.*", imported, re.MULTILINE)

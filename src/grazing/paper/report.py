@@ -10,6 +10,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from grazing.interrupt import held_back
 from grazing.outcome import InputError
 from grazing.paper import FIGURES
 from grazing.paper.drawn import BESIDE, module_of
@@ -35,6 +36,9 @@ CLAIMS = (
 )
 #: The order of computation: what compiles and runs quickly first, so that there is something to draw meanwhile.
 ORDER = ("3.1", "3.2", "3.4", "3.6", "3.3", "3.5", "3.7", "1.2", "1.5", "2.2", "2.1", "1.6", "1.3")
+
+#: What draws, imported while there is one thread: an import that is interrupted can leave that of another waiting.
+DRAWS = ("matplotlib.style", "matplotlib.backends.backend_pdf", "grazing.plot.style")
 
 
 def report(
@@ -83,6 +87,9 @@ def report(
     tell = _Teller(progress, len(names) + len(beside) + len(groups))
     run = Run(size)
     files: list[str] = []
+    for module in DRAWS:
+        with held_back():
+            import_module(module)
     with ThreadPoolExecutor(1) as pool:
         pending = {pool.submit(_data, run, name): name for name in [*sorted(names, key=ORDER.index), *beside]}
         try:
