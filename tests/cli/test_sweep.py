@@ -9,6 +9,7 @@ import sys
 import time
 import zipfile
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 import xarray as xr
@@ -186,6 +187,15 @@ def test_a_file_with_another_study_says_so(folder, capsys):
     assert "b.toml: study = 'diagrm'; allowed are diagram" in said(capsys, 2, "run", "b.toml", "a.zarr")
     (folder / "b.toml").write_text('study = "trajectory"\n[settings]\nstate = [0.1, 0.0]\n')
     assert "has no cells to sweep" in said(capsys, 2, "run", "b.toml", "a.zarr")
+
+
+def test_ctrl_c_before_there_is_a_store_promises_none(folder, capsys, monkeypatch):
+    (folder / "a.toml").write_text(STUDY)
+    with monkeypatch.context() as patch:
+        patch.setattr("grazing.sweep.run", Mock(side_effect=KeyboardInterrupt))
+        assert "stopped: interrupted; files already written are complete.\n" in said(
+            capsys, 130, "run", "a.toml", "a.zarr"
+        )
 
 
 # ---- processes

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json as text
+import os
 import re
 import sys
 from collections.abc import Callable, Iterator, Mapping
@@ -246,10 +247,12 @@ def asked(go: Callable[..., Any], other_code: bool) -> Any:
 
 @contextmanager
 def resumable(store: str | Path) -> Iterator[None]:
-    """Say after Ctrl-C how to go on."""
+    """Say after Ctrl-C how to go on, if there is a store already."""
     try:
         yield
     except KeyboardInterrupt:
+        if not os.path.isfile(Path(store) / "zarr.json"):
+            raise
         raise KeyboardInterrupt(
             f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {quoted_file(str(store))}'."
         ) from None
