@@ -2,7 +2,7 @@
 
 import sys
 
-from grazing.interrupt import interrupt_in, none_lost
+from grazing.interrupt import interrupt_in, none_lost, taken
 
 
 def main() -> int:
@@ -15,6 +15,7 @@ def main() -> int:
     except BaseException as error:  # Python says of one in the making of a class that a name cannot be set
         if interrupt_in(error) is None:
             raise
+    taken()
     print("stopped: interrupted.", file=sys.stderr)
     return 130
 

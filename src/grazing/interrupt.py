@@ -30,6 +30,15 @@ def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
     return next((one for one in causes(error) if isinstance(one, KeyboardInterrupt)), None)
 
 
+def taken() -> None:
+    """Let Python end with our exit code although there was an interrupt.
+
+    It keeps in mind that one left code that it was given as text, as that of a named tuple, and then ends by the
+    signal, although it was caught. The next such code makes it forget.
+    """
+    exec("")
+
+
 @contextmanager
 def held_back() -> Iterator[None]:
     """Let an interrupt wait until the block has ended: what it would leave half done stays broken for the session.

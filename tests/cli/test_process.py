@@ -66,12 +66,14 @@ def test_it_runs_as_a_module_from_any_folder(tmp_path):
     assert (done.returncode, done.stdout) == (0, f"grazing {grazing.__version__}\n")
 
 
-def test_an_interrupt_in_code_that_python_was_given_as_text_ends_with_its_exit_code(tmp_path):
+@pytest.mark.parametrize("where", ["mine", "cyclopts"])
+def test_an_interrupt_in_code_that_python_was_given_as_text_ends_with_its_exit_code(tmp_path, where):
     """As while a named tuple is made: Python would end by the signal, although the interrupt was caught."""
-    (tmp_path / "mine.py").write_text("exec('raise KeyboardInterrupt')\n")
+    (tmp_path / f"{where}.py").write_text("exec('raise KeyboardInterrupt')\n")
     given = ["diagram", "a=0:1:3", "--map", "mine.py:P", "-o", "a.nc"]
+    env = settings(PYTHONPATH=os.pathsep.join([str(tmp_path), str(SOURCE)]))
     done = subprocess.run(
-        [sys.executable, "-m", "grazing", *given], cwd=tmp_path, env=settings(), capture_output=True, text=True
+        [sys.executable, "-m", "grazing", *given], cwd=tmp_path, env=env, capture_output=True, text=True
     )
     assert done.returncode == 130 and "stopped: interrupted" in done.stderr
 

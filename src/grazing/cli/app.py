@@ -30,7 +30,7 @@ from grazing import __version__
 from grazing.catalogue import studies
 from grazing.cli import streams
 from grazing.cli.paper import paper
-from grazing.interrupt import causes, interrupt_in
+from grazing.interrupt import causes, interrupt_in, taken
 from grazing.memory import address_space
 from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, printable, raised, shown
 from grazing.parameter import called_here, foreign
@@ -188,9 +188,7 @@ def _guarded(tokens: list[str]) -> int:
 
 def _interrupted(stop: KeyboardInterrupt) -> int:
     """Say that the user ended it."""
-    # Python keeps in mind that an interrupt left code it was given as text, as that of a named tuple, and then ends
-    # by the signal, not with our exit code, although it was caught. The next such code makes it forget.
-    exec("")
+    taken()
     return _fail(str(stop) or "interrupted; files already written are complete.", INTERRUPTED, "stopped")
 
 
