@@ -174,29 +174,38 @@ def test_the_cluster_that_was_joined_goes_on(tmp_path, expected):
 
 
 INTERRUPTED = """
-import os, signal, sys
+import os, signal, sys, threading
+import dask, distributed
 from grazing import sweep
 from tests.sweep.plans import plan
 
-def stop(done, of):
+def stop(done=3, of=0):
     if done > 2:
         os.killpg(0, signal.SIGINT)
 
+def fail(done, of):
+    raise KeyboardInterrupt
+
 signal.signal(signal.SIGINT, signal.default_int_handler)
+after, progress = {"starts": (0.5, None), "runs": (None, stop), "fails": (None, fail)}[sys.argv[2]]
+if after is not None:
+    threading.Timer(after, stop).start()
 try:
     with sweep.cluster("local", 1, threads_per_worker=1) as executor:
-        sweep.run(plan(n=400, pause=0.1), sys.argv[1], chunk=4, executor=executor, progress=stop)
+        sweep.run(plan(n=400, pause=0.1), sys.argv[1], chunk=4, executor=executor, progress=progress)
 except KeyboardInterrupt:
     print("interrupted")
 """
 
 
 @pytest.mark.skipif(not hasattr(os, "killpg"), reason="POSIX groups of processes")
-def test_ctrl_c_which_all_processes_of_a_terminal_get_is_said_once(tmp_path):
+@pytest.mark.parametrize("when", ["starts", "runs", "fails"])
+def test_ctrl_c_which_all_processes_of_a_terminal_get_is_said_once(tmp_path, when):
+    """Each process of a cluster said it, and Dask how each of its parts ended."""
     pytest.importorskip("distributed")
-    command = [sys.executable, "-c", INTERRUPTED, tmp_path / "a.zarr"]
+    command = [sys.executable, "-c", INTERRUPTED, tmp_path / "a.zarr", when]
     ended = subprocess.run(command, capture_output=True, text=True, start_new_session=True, timeout=600)
-    assert ended.stdout == "interrupted\n" and "KeyboardInterrupt" not in ended.stderr
+    assert (ended.stdout, ended.stderr) == ("interrupted\n", "")
 
 
 def test_a_cluster_of_workers_in_this_process_leaves_it_its_interrupts():

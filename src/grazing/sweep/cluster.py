@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import logging
 import signal
 from collections.abc import Callable, Iterator
 from concurrent.futures import Executor
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from importlib import import_module
+from multiprocessing import resource_tracker
 from typing import Any
 
 from grazing.interrupt import held_back
@@ -19,8 +21,15 @@ PATIENCE = 1000
 AWAY = "5s"
 #: A client of ours alone: one that is Dask's default stays so if it finds no scheduler, and nothing is saved any more.
 OWN = {"set_as_default": False}
-#: What the processes of a local cluster begin with. Ctrl-C reaches them as well, and is for the one that they work for.
-UNINTERRUPTED = "import signal\nsignal.signal(signal.SIGINT, signal.SIG_IGN)\n"
+#: What the processes of a local cluster begin with. Ctrl-C reaches them as well, and is for the one that they work for;
+#: they speak of their memory only, as all else that they say reaches that one, or is of how a cluster ends.
+ALONE = """import logging, signal
+signal.signal(signal.SIGINT, signal.SIG_IGN)
+logging.getLogger("distributed").setLevel(logging.CRITICAL)
+logging.getLogger("distributed.worker.memory").setLevel(logging.WARNING)
+"""
+#: What tells, at length, how the parts of a cluster end one after another.
+LOGS = ("asyncio", "distributed", "tornado", "tornado.application")
 QUEUES = {
     "htcondor": "HTCondorCluster",
     "lsf": "LSFCluster",
@@ -75,12 +84,29 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
                 yield client.get_executor()
             return
         local = {"distributed.deploy.lost-worker-timeout": AWAY} if kind == "local" else {}
-        with (
-            dask.config.set(local),
-            _started(kind, workers, options) as started,
-            distributed.Client(started, **OWN) as client,
-        ):
+        with dask.config.set(local), ExitStack() as stack:
+            with held_back(), _unreached():  # what is interrupted while it starts says so many times, and is not closed
+                for name in LOGS:
+                    stack.callback(logging.getLogger(name).setLevel, logging.getLogger(name).level)
+                started = stack.enter_context(_started(kind, workers, options))
+                client = stack.enter_context(distributed.Client(started, **OWN))
+                for name in LOGS:
+                    stack.callback(logging.getLogger(name).setLevel, logging.CRITICAL + 1)
             yield client.get_executor()
+
+
+@contextmanager
+def _unreached() -> Iterator[None]:
+    """Let no Ctrl-C reach the threads and processes that are started here, nor those that they start."""
+    if not hasattr(signal, "pthread_sigmask"):  # pragma: no cover  (Windows: a process says so once it has begun)
+        yield
+        return
+    resource_tracker.ensure_running()  # or the thread that starts it later is reached again
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, [signal.SIGINT])
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
@@ -92,7 +118,7 @@ def _started(kind: str, workers: int | None, options: dict[str, Any]) -> Any:
     if kind == "local":
         ours: dict[str, Any] = {"dashboard_address": None}
         if options.get("processes", "worker_class" not in options):  # a class may work in this process
-            ours["preload"] = UNINTERRUPTED
+            ours["preload"] = ALONE
         here = _made(_imported("distributed").LocalCluster, n_workers=workers, **ours | options)
         here.adapt(minimum=len(here.worker_spec), maximum=len(here.worker_spec))
         return here
