@@ -12,6 +12,7 @@ from grazing.proof.certify import certify
 from grazing.proof.gap import certify_gap_orbit
 from grazing_checker import Rejected, check
 from grazing_checker.check import KINDS
+from tests.grazing_checker.bases import GAP_NAMES, TABLE_NAMES, TABLE_VALUE_NAMES, bases
 from tests.grazing_checker.documents import (
     NAMES,
     WALLED,
@@ -25,6 +26,7 @@ from tests.grazing_checker.documents import (
     leaves,
     resealed,
 )
+from tests.grazing_checker.forgeries import is_decimal
 from tests.models import cubic
 from tests.proof.orbits import closed
 
@@ -154,6 +156,28 @@ def test_every_field_is_needed_and_none_may_be_added(made, kind):
         del other["inequalities"][i]
         with pytest.raises(Rejected, match=r"(the|inequality|nothing)"):
             check(resealed(other))
+
+
+@pytest.mark.parametrize("name", [*NAMES, *GAP_NAMES, *TABLE_NAMES, *TABLE_VALUE_NAMES])
+def test_each_inequality_is_held_against_its_quantity(name):
+    """A bound that nothing reaches stands as it is, and is refused for what it is a bound of."""
+    document = bases()[name]
+    rows = document["inequalities"]
+    for i in {re.sub(r"\d+", "*", one["name"]): i for i, one in enumerate(rows)}.values():
+        beyond = {">": "1E9999", "<": "-1E9999"}[rows[i]["relation"]]
+        with pytest.raises(Rejected, match=r"does not hold|not proven"):
+            check(resealed(changed(document, ("inequalities", i, "left"), lambda _old, beyond=beyond: beyond)))
+
+
+@pytest.mark.parametrize("name", [*TABLE_NAMES, *TABLE_VALUE_NAMES])
+def test_each_number_claimed_on_a_table_is_held_against_its_quantity(name):
+    """Those of other kinds are among the fields that change, here and in test_gap."""
+    document = bases()[name]
+    for path in alike(leaves(document["data"]["claims"])):
+        if is_decimal(at(document["data"]["claims"], path)):
+            forged = changed(document, ("data", "claims", *path), other_value)
+            with pytest.raises(Rejected, match=r"claimed|alone within the distance"):
+                check(resealed(forged))
 
 
 @pytest.mark.parametrize("name", ["alpha", "k", "omega", "t0", "offset", "sigma"])

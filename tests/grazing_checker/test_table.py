@@ -11,7 +11,7 @@ from grazing_checker.balls import number, precision
 from grazing_checker.plane import Apart, Flight, Reader, Thing, factored, over, value
 from grazing_checker.reading import exact
 from grazing_checker.table import Table, margins, sums_of
-from tests.grazing_checker.bases import table_bases
+from tests.grazing_checker.bases import TABLE_NAMES, table_bases
 from tests.grazing_checker.forgeries import fit, fitting_matrix, newton, sealed
 
 KIND = "periodic orbit on a table"
@@ -48,6 +48,30 @@ def more(kind, **numbers):
         data["objects"].append(one | ({} if kind == "drain" else {"law": data["objects"][0]["law"]}))
 
     return change
+
+
+@pytest.mark.parametrize("name", TABLE_NAMES)
+def test_half_widths_are_positive_and_smaller_than_those_of_uniqueness(name):
+    """|C F(m)| + |I - C D| r < r holds for r < 0 where |I - C D| is large, whatever F(m) is."""
+    base = table_bases()[name]["data"]
+    r, u, size = base["radius"], base["unique"], len(base["radius"])
+    negative = [f"-{text}" for text in r]
+    for one, two in ((negative, u), (negative, [f"-{text}" for text in u]), (["0x0p0"] * size, u), (r, r), (u, r)):
+        refused(name, lambda data, one=one, two=two: data.update(radius=one, unique=two), "one inside the other")
+    for i in range(size):
+        refused(name, lambda data, i=i: data["radius"].__setitem__(i, "0x0p0"), "one inside the other")
+
+
+def test_a_claim_is_made_for_each_coordinate_and_for_no_more():
+    for name, said in (("box", "wrong size"), ("apart", "not complete")):
+
+        def longer(data, name=name):
+            data["claims"][name].append(data["claims"][name][0])
+
+        data = deepcopy(table_bases()["kicked"]["data"])
+        longer(data)
+        with pytest.raises(Rejected, match=said):
+            check(sealed(KIND, data, table_bases()["kicked"]["inequalities"], honest=False))
 
 
 def test_what_is_in_the_way_is_found_and_what_is_beside_it_is_not():

@@ -11,7 +11,7 @@ from grazing_checker import Rejected, check, table_value
 from grazing_checker.balls import precision
 from grazing_checker.reading import exact
 from tests.grazing_checker.bases import TABLE_VALUE_NAMES, table_value_bases
-from tests.grazing_checker.forgeries import elsewhere, sealed, text_of
+from tests.grazing_checker.forgeries import Pen, elsewhere, sealed, text_of
 
 KIND = "bifurcation value on a table"
 
@@ -79,6 +79,15 @@ def test_what_changes_its_sign_is_what_is_said():
     refused("post gr", put("type", "pd"), "there is a dip in a certificate that needs none")
 
 
+@pytest.mark.parametrize("signs", [(1, 1), (-1, -1), (0, 1), (1, 0), (0, -1), (-1, 0), (0, 0)])
+def test_a_quantity_of_one_sign_or_of_none_shows_nothing(signs):
+    rows = Pen([])  # takes whatever is written
+    with precision(256):
+        values = [arb(sign, 0.5) for sign in signs]
+        with pytest.raises(Rejected, match="does not surely change its sign"):
+            table_value._change_of_sign("a quantity", values, rows)
+
+
 def test_a_fold_is_no_curve_over_its_parameter():
     refused("bowl lp", put("pinned", 6), "curve, coordinate|a fold is no curve")
 
@@ -98,7 +107,9 @@ def test_a_dip_lies_in_its_flight_and_on_its_part():
     base = table_value_bases()["post gr"]["data"]["dip"]
     assert base["flight"] == 2 and base["object"] == "post" and base["part"] == "disc"
     said = "not looked at where it is"
-    for change in ({"from": "-0x1p-3"}, {"from": "0x0p0"}, {"to": "0x1p9"}, {"time": base["from"]}):
+    for change in (
+        {"from": "-0x1p-3"}, {"from": "0x0p0"}, {"to": "0x1p9"}, {"time": base["from"]}, {"time": base["to"]},
+    ):  # fmt: skip
         refused("post gr", put("dip", base | change), said)
     refused("post gr", put("dip", base | {"from": base["to"], "to": base["from"]}), f"{said}|not surely off post")
     for change, said in (
