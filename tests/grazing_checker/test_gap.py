@@ -12,7 +12,7 @@ from grazing_checker import Rejected, check, gap, orbit, oscillator, reading
 from grazing_checker.envelope import seal
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, bases, gap_bases
 from tests.grazing_checker.documents import resealed
-from tests.grazing_checker.forgeries import at, forgeries, is_decimal, leaves, orthogonal, put, sealed
+from tests.grazing_checker.forgeries import at, fitting_matrix, forgeries, is_decimal, leaves, orthogonal, put, sealed
 from tests.grazing_checker.truth import is_true
 
 ORBIT, EDGE, NO_ATTRACTOR = KINDS[-3:]
@@ -246,6 +246,21 @@ def test_one_kind_does_not_pass_for_another():
                 )
                 with pytest.raises(Rejected):
                     check(other)
+
+
+def test_a_cycle_gone_round_three_times_has_no_longer_period(monkeypatch):
+    """It is alone in its box, and the roots that are half a turn apart differ."""
+    base = gap_bases()["LLRLR"]
+    data = deepcopy(base["data"])
+    data["word"], data["centre"] = 3 * data["word"], 3 * data["centre"]
+    data["claims"]["roots"] = 3 * data["claims"]["roots"]
+    fitting_matrix(None, data, [])
+    with monkeypatch.context() as lax:
+        lax.setattr(gap, "demand", lambda holds, said: "twice" in said or reading.demand(holds, said))
+        document = sealed(ORBIT, data, base["inequalities"])
+        assert check(document) == document["statement"]
+    with pytest.raises(Rejected, match="repeats a shorter one more than twice"):
+        check(document)
 
 
 def test_the_fixed_point_right_of_the_border_cannot_be_left_out():
