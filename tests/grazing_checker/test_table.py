@@ -181,6 +181,32 @@ def test_an_orbit_gone_round_twice_has_no_longer_period():
     assert "of period 6 impacts" in check(document)
 
 
+@pytest.mark.parametrize("name", TABLE_NAMES)
+def test_time_goes_on(name):
+    """A flight back in time would leave a wire on one side and be off it on the other."""
+    n = len(table_bases()[name]["data"]["impacts"])
+    for i in range(n, 2 * n):
+
+        def back(data, i=i):
+            data["centre"][i] = f"-{data['centre'][i]}"
+
+        refused(name, back, "does not surely take time")
+
+
+def test_an_orbit_is_unstable_where_something_shows_it():
+    kinds = set()
+    for name in TABLE_NAMES:
+        base = table_bases()[name]
+        data, rows = deepcopy(base["data"]), base["inequalities"]
+        names = [*margins([number(0)] * len(data["claims"]["sums"]))]
+        data["claims"]["stability"] = "unstable"
+        bare = [one for one in rows if one["name"] not in names]
+        with pytest.raises(Rejected, match="nothing shows that the orbit is unstable"):
+            check(sealed(KIND, data, bare, honest=False))
+        kinds.add(base["data"]["claims"]["stability"])
+    assert kinds >= {"stable", "unstable"}
+
+
 def test_nothing_attracts_where_energy_is_conserved():
     def stable(data):
         data["claims"]["stability"] = "stable"

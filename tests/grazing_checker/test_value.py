@@ -1,13 +1,15 @@
 """Attacks on certificates of bifurcation values: each hypothesis is broken, with the sentence that then fits."""
 
+from types import SimpleNamespace
+
 import pytest
 
-from grazing_checker import Rejected, check
+from grazing_checker import Rejected, check, value
 from grazing_checker.balls import Ball, double, number, pi, precision
 from grazing_checker.oscillator import inside
 from grazing_checker.reading import exact
 from tests.grazing_checker.documents import WALLED_VALUES, changed, claiming, documents
-from tests.grazing_checker.forgeries import text_of
+from tests.grazing_checker.forgeries import Pen, text_of
 
 VALUES = ("pd", "gr", "lp", "ns", *WALLED_VALUES)
 
@@ -122,6 +124,29 @@ def test_a_neimark_sacker_pair_is_complex_on_all_of_the_curve():
     assert document["inequalities"][-1]["name"] == "trace^2/4 - det"
     refused(changed(document, ("inequalities",), lambda rows: rows[:-1]), "is missing")
     refused(changed(documents()["pd"], ("data", "type"), lambda _old: "ns"), "does not surely change its sign")
+
+
+@pytest.mark.parametrize("kind", ["pd", "lp", "ns"])
+@pytest.mark.parametrize("same", ["stable", "unstable"])
+def test_the_ends_are_not_both_stable_nor_both_unstable(kind, same):
+    """Of these three the orbit loses its stability, at one end or the other."""
+    refused(changed(documents()[kind], ("data", "claims", "ends"), lambda _old: [same, same]), "the orbit at end")
+
+
+@pytest.mark.parametrize("kind", ["pd", "lp", "ns", "gr"])
+@pytest.mark.parametrize("signs", [(1, 1), (-1, -1), (0, 1), (1, 0), (0, -1), (-1, 0), (0, 0)])
+def test_a_quantity_of_one_sign_or_of_none_shows_nothing(monkeypatch, kind, signs):
+    """Its rows would hold, each with the sign that there is."""
+    data = {"type": kind}
+    dip = "a dip" if kind == "gr" else None
+    with precision(256):
+        values = [Ball(sign, 0.5) for sign in signs]
+        monkeypatch.setattr(value, "_heights", lambda *_known: values)
+        monkeypatch.setattr(value, "margins", lambda x: {value.TESTED[kind]: x})
+        problem = SimpleNamespace(size=3, trace_and_det=lambda x: (x,))
+        curve = SimpleNamespace(pinned=1)
+        with pytest.raises(Rejected, match="does not surely change its sign"):
+            value._change_of_sign(problem, data, curve, [(x,) for x in values], dip, Pen([]))
 
 
 @pytest.mark.parametrize("side", [-1, 1])
