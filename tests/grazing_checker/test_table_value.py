@@ -103,6 +103,20 @@ def test_the_boxes_have_an_inside_and_the_ends_are_the_ends():
     refused("bowl pd", lambda data: data["ends"].pop(), "has not two ends")
 
 
+@pytest.mark.parametrize("name", TABLE_VALUE_NAMES)
+def test_the_box_of_an_end_lies_in_that_of_the_curve(name):
+    """Outside of it derivatives have no bound; its inequalities hold the better the larger it is."""
+    base = table_value_bases()[name]
+    data, rows = deepcopy(base["data"]), deepcopy(base["inequalities"])
+    free = [i for i in range(len(data["radius"])) if i != data["pinned"]]
+    for i, one in zip(free, (row for row in rows if row["name"].startswith("end 2, coordinate")), strict=True):
+        larger = 2 * exact(data["radius"][i])
+        data["ends"][1]["radius"][i] = one["right"] = text_of(larger)
+        one["left"] = f"{0.99 * float(larger):.6E}"
+    with pytest.raises(Rejected, match="the box of end 2 is not inside the other"):
+        check(sealed(KIND, data, rows, honest=False))
+
+
 def test_a_dip_lies_in_its_flight_and_on_its_part():
     base = table_value_bases()["post gr"]["data"]["dip"]
     assert base["flight"] == 2 and base["object"] == "post" and base["part"] == "disc"
