@@ -103,7 +103,7 @@ def test_the_pictures_of_the_oscillator(shown, address):
 
 
 def test_a_slider_that_is_dragged_shows_every_picture_that_it_began(shown, address):
-    shown.open(f"{address}#version=2&view=gap")
+    shown.open(f"{address}#version=2&view=gap&columns=200")
     shown.page.evaluate(WATCH, "gap")
     values = np.round(np.linspace(0.05, 0.6, 40), 3)
     seen = moved(shown, "l", values)
@@ -113,11 +113,11 @@ def test_a_slider_that_is_dragged_shows_every_picture_that_it_began(shown, addre
     assert (
         len(begun) + skipped >= len(values) - 1 and values[-1] in begun
     )  # of two events in a frame one may be left out
-    assert all(picture["points"] == 800 * 4 * 112 for picture in seen["pictures"])
+    assert all(picture["points"] == 200 * 4 * 112 for picture in seen["pictures"])
 
 
 def test_refinement_makes_way_for_a_new_picture(shown, address):
-    shown.open(f"{address}#version=2&view=gap&starts=100")  # the whole picture takes long
+    shown.open(f"{address}#version=2&view=gap&columns=400&starts=100")  # the whole picture takes long
     shown.page.evaluate(WATCH, "gap")
     shown.page.evaluate(DRAG, ["l", [0.3]])
     shown.until("() => explorer.views.gap.diagram.stage === 'coarse'")
@@ -217,9 +217,9 @@ COUNTED = """async () => {
   const {crossings} = await import("./walls.js"), {rowOf} = await import("./flow.js");
   const count = (k) => (k > 0 ? 1 + count(Math.floor(k / 3)) : 0);
   const counted = (each, u, count) => {
-    const {letters} = machine.call("orbits", {columns: 1, starts: 1, keep: 100, rows: rowOf(machine, each),
-      lanes: Float64Array.of(u, 0.1), transient: 50}, ["letters"]);
-    return [letters.reduce((sum, k) => sum + count(k), 0) / 100, crossings(each)];
+    const {letters} = machine.call("orbits", {columns: 1, starts: 1, keep: 25, rows: rowOf(machine, each),
+      lanes: Float64Array.of(u, 0.1), transient: 12}, ["letters"]);
+    return [letters.reduce((sum, k) => sum + count(k), 0) / 25, crossings(each)];
   };
   const one = [{offset: -10}, {offset: -100}, {offset: -100, V: 0.1}, {sigma: 50}, {sigma: 20, k: 3}, {offset: -1e4}];
   const alone = one.map((part) => counted({...state, ...part}, (part.sigma ?? 0) + 0.05, (k) => k));
@@ -282,7 +282,7 @@ CELLS = """
 @pytest.mark.parametrize("chart", ["gap", "basins"])
 def test_a_chart_computes_each_cell_once_and_boundaries_first(shown, address, chart):
     W, H = 72, 40
-    shown.open(f"{address}#version=2&view=gap")
+    shown.open(f"{address}#version=2&view=edges")
     shown.page.evaluate(CELLS)
     shown.open(f"{address}#version=2&view=chart&chart={chart}&chart_columns={W}&chart_rows={H}&offset=0.1225")
     x, y = np.reshape(shown.page.evaluate("cells"), (-1, 2)).T
