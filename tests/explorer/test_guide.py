@@ -257,7 +257,7 @@ def test_exercises_are_chosen_beside_the_figures(shown, address):
 
 
 def test_what_an_exercise_asks_does_not_stay_above_a_view_of_which_it_says_nothing(shown, address):
-    shown.open(f"{address}#version=2&view=ball")
+    shown.open(f"{address}#version=2&view=edges")
     shown.page.evaluate(FEW)
     shown.page.select_option("#preset", label="Coexistence and hysteresis")
     shown.until("() => document.getElementById('note').checkVisibility()")
@@ -268,14 +268,16 @@ def test_what_an_exercise_asks_does_not_stay_above_a_view_of_which_it_says_nothi
         shown.link()
     shown.page.go_back()
     shown.until("() => explorer.state().view === 'ball' && document.getElementById('note').checkVisibility()")
-    shown.open(f"{address}#version=2&view=ball&note=Mine")  # what is one's own stays
+    shown.open(f"{address}#version=2&view=ball&columns=20&note=Mine")  # what is one's own stays
     shown.page.click("[data-view=strobe]")
     shown.until("() => explorer.state().view === 'strobe' && document.getElementById('note').checkVisibility()")
 
 
 def test_what_an_exercise_asks_takes_one_line_once_a_hand_has_acted(shown, address):
     shown.page.set_viewport_size({"width": 1280, "height": 720})
-    shown.open(f"{address}#version=2&view=ball&note={'How%20long%20is%20it%20until%20it%20lies%20still?%20' * 6}")
+    shown.open(
+        f"{address}#version=2&view=ball&columns=20&note={'How%20long%20is%20it%20until%20it%20lies%20still?%20' * 6}"
+    )
     high = "() => document.getElementById('note').offsetHeight"
     shown.page.keyboard.press("p")
     whole = shown.page.evaluate(high)
