@@ -55,9 +55,9 @@ def turn(shown, value):
 
 
 def test_the_page_opens_on_the_ball(shown, address):
-    shown.open(address)
+    shown.page.goto(address)
+    shown.until("() => document.querySelector('.lead').innerText.includes('It hits once in three pushes: 001.')")
     assert shown.page.evaluate("() => explorer.state().view") == "ball"
-    assert "It hits once in three pushes: 001." in shown.page.inner_text(".lead")
     assert letters(shown)[:6] in {"001001", "010010", "100100"}  # there is something to see at once
 
 
@@ -215,7 +215,7 @@ def test_a_preset_and_a_link_begin_anew(shown, address):
 
 @pytest.mark.parametrize("motion", ["reduce"])
 def test_the_slider_spans_the_diagram_in_its_colours(shown, address):
-    shown.open(f"{address}#version=2&view=ball&reach=0.118:0.128")
+    shown.open(f"{address}#version=2&view=ball&reach=0.118:0.128&columns=200")
     slider = "document.querySelector('input[name=offset]').closest('.control').querySelector('input[type=range]')"
     low, high, step = shown.page.evaluate(f"() => ['min', 'max', 'step'].map(k => Number({slider}[k]))")
     assert (low, high) == (0.118, 0.128) and step <= 1e-4
