@@ -119,7 +119,7 @@ def test_the_raster_of_the_gap_map_is_that_of_python(shown, address, fragment):
         "version=2&view=oscillator&law=newton&alpha=0.4&sin1=0.2&cos2=0.3&sigma=0.1&vary=omega&reach=1.8:2.6&phase=0.3"
         "&coordinate=v&columns=24&bins=120",
         "version=2&view=oscillator&law=triggered&alpha=0.5&trigger=0.2&vary=V&reach=0.1:0.9&columns=20&bins=80",
-        "version=2&view=oscillator&two=yes&alpha=1&vary=V_B&reach=0.1:0.9&columns=14&bins=80&phase=0.3",
+        "version=2&view=oscillator&two=yes&alpha=1&vary=V_B&reach=0.1:0.9&columns=7&bins=80&phase=0.3",
         "version=2&view=oscillator&two=yes&law=newton&k=0&cos1=0&sin_A=0.3&cos_A=0.1&alpha=0.3&sigma=-0.5&sigma_B=0.5"
         "&vary=r&reach=0.5:1&coordinate=v&columns=12&bins=80",
         "version=2&view=oscillator&law=newton&k=0&offset=-1&cos1=0&sin_A=0.3&alpha=0&vary=r&reach=0.2:0.8&columns=12&bins=80",

@@ -426,7 +426,6 @@ def test_a_link_begins_where_the_ball_is(shown, address):
     shown.until("() => !location.hash.includes('ball=')")
 
 
-@FLYING
 def test_a_ball_that_is_thrown_far_stays_in_sight(shown, address):
     shown.open(f"{address}#version=2&view=ball&ball=1.5:1:0&columns=20")
     x0, x1, y0, y1 = shown.page.evaluate(
