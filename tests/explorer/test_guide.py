@@ -294,3 +294,21 @@ def test_what_an_exercise_asks_takes_one_line_once_a_hand_has_acted(shown, addre
     shown.page.keyboard.press("p")
     shown.page.evaluate("() => { location.hash = location.hash.replace(/note=[^&]*/, 'note=Another'); }")
     shown.until("() => document.getElementById('note').className === '' && explorer.state().note === 'Another'")
+
+
+@pytest.mark.parametrize("width", [390, 1280])
+def test_the_answer_is_one_click_away_once_a_hand_has_acted(shown, address, width):
+    shown.page.set_viewport_size({"width": width, "height": 720})
+    shown.open(f"{address}#version=2&view=oscillator&columns=20&bins=8")
+    shown.page.select_option("#preset", label="The graze")
+    shown.until("() => document.getElementById('note').checkVisibility()")
+    for present in (False, True):
+        if present:
+            shown.page.keyboard.press("p")
+        shown.page.fill(".control.turned input[type=number]", "0.13" if present else "0.135")
+        shown.page.keyboard.press("Enter")
+        shown.until("() => document.getElementById('note').className === 'folded'")
+        shown.page.evaluate("() => document.activeElement.blur()")
+        for told in (True, False):
+            shown.page.click("#note summary", timeout=3000)
+            assert shown.page.is_visible("#note p") == told
