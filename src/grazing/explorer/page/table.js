@@ -142,7 +142,7 @@ function shares() {
 function choose(name, changes = {}) {
   $("note").hidden = true;
   rung = RUNGS.find((each) => each.table === name) ?? RUNGS[0];
-  for (const button of document.querySelectorAll("#rungs button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
+  for (const button of $("rungs").querySelectorAll("button")) button.setAttribute("aria-pressed", String(button.textContent === rung.name));
   $("headline").textContent = rung.headline;
   $("text").textContent = (touch.matches && rung.touch) || rung.text;
   $("asked").textContent = rung.heights ? "How often a ball hits" : "Where a ball leaves";
@@ -363,7 +363,7 @@ const why = (/** @type {unknown} */ error) => (error instanceof Error ? error.me
 
 async function start() {
   stage(again); // its key waits for nothing that is loaded
-  const rungs = RUNGS.map((each) => {
+  for (const each of RUNGS) {
     const button = document.createElement("button");
     Object.assign(button, { type: "button", textContent: each.name, disabled: true });
     button.addEventListener("click", () => {
@@ -371,8 +371,7 @@ async function start() {
       choose(each.table);
     });
     $("paper").before(button);
-    return button;
-  });
+  }
   $("paper").addEventListener("click", (/** @type {Event} */ event) => {
     // back to the step of the tour that was left here, unless in another tab
     if (!location.search || !document.referrer.startsWith(location.origin) || history.length < deep() + 2) return;
@@ -401,7 +400,7 @@ async function start() {
     problem(`The table could not be loaded: ${why(error)}.`);
     return;
   }
-  for (const button of rungs) button.disabled = false; // now there are tables
+  for (const button of $("rungs").querySelectorAll("button")) button.disabled = false;
   listen();
   addEventListener("popstate", () => (problem(""), arrive()));
   if (!arrive() && !still.matches) {
