@@ -20,7 +20,7 @@ from grazing import GrazingError
 #: Seconds and bytes of one trial.
 SECONDS, MEMORY = 30, 3 * 2**30
 #: How warnings begin that answer.
-OURS = "the reset law|the gap is|the search flies|a compiled kernel could not be kept"
+OURS = "the reset law|the gap is|the search flies|a compiled kernel could not be kept|rate = "
 
 NUMBERS = [
     0,

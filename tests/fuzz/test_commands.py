@@ -150,7 +150,7 @@ def folder(tmp_path, monkeypatch):
     for name in ("compute", "estimated"):
         monkeypatch.setattr(grazing.cli.study, name, lambda *_given: 0)
     monkeypatch.setattr(grazing.explorer.server, "serve", lambda *_given: None)
-    monkeypatch.setattr(grazing.explorer.server, "copy_to", lambda folder: folder)
+    monkeypatch.setattr(grazing.explorer.server, "copy_to", lambda folder, _kernels: folder)
     status = types.SimpleNamespace(complete=True, path="a.zarr")
     monkeypatch.setattr(grazing.sweep, "run", lambda *_given, **_more: status)
     monkeypatch.setattr(grazing.sweep, "estimate", lambda *_given, **_more: status)
