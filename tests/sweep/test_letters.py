@@ -63,6 +63,13 @@ def test_a_type_that_no_store_has(kind):
         restored_attrs({"a": 1.0}, "x", {"x/a": kind})
 
 
+@pytest.mark.parametrize("value", [[0, 1e999], [300, 0], -1])
+def test_a_number_that_its_type_cannot_hold(value):
+    """300 came back as 44, and an infinity as some number, with a warning of NumPy's."""
+    with pytest.raises(OverflowError):
+        restored_attrs({"a": value}, "x", {"x/a": f"uint8 {np.ndim(value)}"})
+
+
 @pytest.mark.parametrize("value", [None, True, {"a": 1}, np.ones((2, 2)), 1j])
 def test_attributes_that_no_file_holds(value):
     with pytest.raises(gz.InputError, match=r"attribute 'bad' of x is"):

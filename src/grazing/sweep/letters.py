@@ -79,7 +79,7 @@ def restored_attrs(attrs: Mapping[str, Any], where: str, types: Types) -> dict[H
         if kind == "python":
             found[name] = [float(item) for item in value] if ndim == "1" else float(value)
         elif kind:
-            array = np.array(value).astype(type_named(kind, "biuf"))  # none such as texts of a billion letters
+            array = np.array(value, type_named(kind, "biuf"))  # none such as texts of a billion letters
             found[name] = array if ndim == "1" else array[()]
         else:
             found[name] = value
