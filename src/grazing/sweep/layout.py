@@ -82,7 +82,7 @@ class Layout:
     def read(cls, text: str) -> Layout:
         """Return the layout that :meth:`text` wrote."""
         record = json.loads(text)
-        if record["format"] not in (UNBOUND, FORMAT):
+        if type(record["format"]) is not int or record["format"] not in (UNBOUND, FORMAT):  # true is 1
             raise InputError(
                 f"it has format {record['format']}, this version reads {UNBOUND} and {FORMAT}; update grazing"
             )
