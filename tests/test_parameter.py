@@ -2,13 +2,14 @@
 
 import json
 import pickle
+from fractions import Fraction
 
 import numpy as np
 import pytest
 
 import grazing as gz
 from grazing.config import checked, command_of, plan_of, recipe_of, result_of
-from grazing.parameter import foreign, named_by, parameter_tuple, spread, value_of
+from grazing.parameter import checked_box, foreign, named_by, parameter_tuple, spread, value_of
 
 LAW = gz.newton(0.6)
 
@@ -191,3 +192,9 @@ def test_a_letter_that_no_name_has_is_named_and_no_other():
         gz.gap_map(lam=0.5, mu=0.1, l=0.2).replace(laμ=0.1)
     assert foreign("xμ", ["μ", "x"]) == foreign("", ["a"]) == foreign("b", ["a"]) == ""
     assert foreign("\x85", ["a"]) == " (its '\\x85' is U+0085, a letter without a name)"
+
+
+def test_ends_of_a_box_are_numbers_of_any_type():
+    """A fraction, which Python before 3.12 cannot format, ended in a TypeError."""
+    ((low, high),) = checked_box([(Fraction(1, 4), 1)], ("x",))
+    assert (low, high) == (0.25, 1.0) and type(low) is type(high) is float

@@ -169,9 +169,9 @@ def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, f
         raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
     checked = []
     for (low, high), name in zip(pairs, coordinates, strict=True):
-        ends = real(low, f"box of {name}", "finite ends"), real(high, f"box of {name}", "finite ends")
-        refuse_ends(*ends, f"box of {name} is ({low:g}, {high:g})")
-        checked.append(ends)
+        low, high = (real(end, f"box of {name}", "finite ends") for end in (low, high))
+        refuse_ends(low, high, f"box of {name} is ({low:g}, {high:g})")
+        checked.append((low, high))
     return tuple(checked)
 
 
