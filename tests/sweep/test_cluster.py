@@ -49,6 +49,9 @@ def test_missing_packages_are_said_once(monkeypatch, kind, package):
         ("tcp://", {}, "missing port number"),
         ("tcp://127.0.0.1:1", {"nope": 1}, "nexpected keyword"),
         ("local", {"processes": False, "nope": 1}, "nexpected keyword"),
+        ("local", {"nope": 1}, "nexpected keyword"),
+        ("local", {"interface": "nope"}, "had: 'nope' is not a valid network interface"),
+        ("local", {"n_workers": 0}, "n_workers is none of the options here; give workers"),
     ],
 )
 def test_what_dask_refuses_is_said_and_changes_no_setting_of_it(kind, options, said):

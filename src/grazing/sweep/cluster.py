@@ -11,7 +11,7 @@ from importlib import import_module
 from multiprocessing import resource_tracker
 from typing import Any
 
-from grazing.interrupt import held_back
+from grazing.interrupt import causes, held_back
 from grazing.outcome import InputError, in_one_line, shown
 from grazing.parameter import whole
 
@@ -69,6 +69,8 @@ def cluster(kind: str = "local", workers: int | None = None, **options: Any) -> 
     """
     if workers is not None:
         workers = whole(workers, "workers", 1)
+    if "n_workers" in options:  # of none a sweep would wait for ever
+        raise InputError("n_workers is none of the options here; give workers")
     joined = isinstance(kind, str) and "://" in kind
     if not isinstance(kind, str) or not (kind == "local" or joined or kind in QUEUES):
         raise InputError(
@@ -131,8 +133,9 @@ def _made(make: Callable[..., Any], *given: Any, **options: Any) -> Any:
     """Make a cluster, or a client; what Dask refuses was asked for."""
     try:
         return make(*given, **options)
-    except (TypeError, ValueError) as error:
-        raise InputError(f"the cluster cannot be had: {in_one_line(error)}; mend its address or its options") from error
+    except (TypeError, ValueError, RuntimeError) as error:  # the last where a part of it does not start
+        said = in_one_line(causes(error)[-1] if error.__cause__ else error)
+        raise InputError(f"the cluster cannot be had: {said}; mend its address or its options") from error
 
 
 def _patient() -> Any:
