@@ -57,6 +57,16 @@ def test_the_line_at_half_the_rate_has_the_height_of_samples_that_take_turns(win
     assert gz.spectrum(odd, window="boxcar").amplitude[-1] == pytest.approx(0.3, rel=1e-12)
 
 
+@pytest.mark.parametrize("window, lost", [("hann", 0.1512), ("flattop", 0.0012)])
+def test_a_window_lowers_a_line_between_two_frequencies(window, lost):
+    """The line at 1 has the height 1; a record of 20.5 cycles has frequencies at 20/20.5 and 21/20.5."""
+    forcing = gz.Forcing(omega=2 * np.pi, cos=(2.0,))
+    m = gz.Oscillator(alpha=3, k=1, forcing=forcing, sigma=-9, reset=gz.newton(0.7))
+    recorded = gz.sample(gz.trajectory(m, (0, 0), until=60.5), rate=40).isel(t=slice(40 * 40, -1))
+    height = 2 / np.hypot(1 - forcing.omega**2, 3 * forcing.omega)
+    assert 1 - gz.spectrum(recorded, window=window).amplitude.max() / height == pytest.approx(lost, abs=2e-4)
+
+
 def test_what_is_wrong_is_said():
     tr = gz.trajectory(gz.pinball(), (0.1, 0.0), until=10.0)
     recorded = gz.sample(tr, 10.0)

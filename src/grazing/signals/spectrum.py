@@ -30,7 +30,8 @@ def spectrum(recorded: xr.Dataset, of: str = "u", window: str = "hann") -> xr.Da
         Position or velocity; its mean is taken away.
     window : str
         Any window of ``scipy.signal.get_window``. ``"boxcar"`` is exact for a whole number of cycles; ``"hann"`` keeps
-        lines apart from each other for any length.
+        lines apart from each other for any length, and shows a line between two frequencies up to 15 % too low,
+        ``"flattop"`` 0.1 %.
 
     Returns
     -------
