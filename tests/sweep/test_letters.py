@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import grazing as gz
+from grazing.sweep import letters
 from grazing.sweep.letters import decoded, encoded, restored_attrs, stored_attrs
 
 
@@ -74,3 +75,17 @@ def test_a_number_that_its_type_cannot_hold(value):
 def test_attributes_that_no_file_holds(value):
     with pytest.raises(gz.InputError, match=r"attribute 'bad' of x is"):
         stored_attrs({"bad": value}, "x", {})
+
+
+def test_equal_texts_of_several_chunks_are_one_object():
+    known: dict[bytes, str] = {}
+    chunk = encoded(np.array(["LR", "L", "", "LR"], object), 2, "word")
+    one, other = decoded(chunk, known), decoded(chunk[::-1], known)
+    assert one.tolist() == other.tolist()[::-1] == ["LR", "L", "", "LR"]
+    assert one[0] is one[3] is other[0]
+
+
+def test_texts_are_decoded_in_parts(monkeypatch):
+    monkeypatch.setattr(letters, "TOGETHER", 2)
+    words = np.array([["LR", "L", "ä"], ["", "LR", "R"]], object)
+    assert decoded(encoded(words, 2, "word")).tolist() == words.tolist()

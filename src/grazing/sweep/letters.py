@@ -15,6 +15,8 @@ from grazing.sweep.codec import type_named
 Types = dict[str, str]
 #: The attribute of an array that holds text.
 TEXT = "grazing_text"
+#: Rows that are objects of Python at a time.
+TOGETHER = 65536
 
 
 # ---- texts
@@ -36,13 +38,18 @@ def encoded(texts: NDArray[Any], longest: int, name: str) -> NDArray[np.uint8]:
     return np.array(rows, f"S{width}").view(np.uint8).reshape((*texts.shape, width))
 
 
-def decoded(letters: NDArray[np.uint8]) -> NDArray[Any]:
-    """Return the texts; equal ones are the same object."""
+def decoded(letters: NDArray[np.uint8], known: dict[bytes, str] | None = None) -> NDArray[Any]:
+    """Return the texts; equal ones are the same object, that in ``known`` if it is there, else put there."""
+    known = {} if known is None else known
     width = letters.shape[-1]
-    rows = np.ascontiguousarray(letters, np.uint8).view(f"S{width}").reshape(letters.shape[:-1])
-    unique, which = np.unique(rows, return_inverse=True)
-    table = np.array([row.decode() for row in unique], object)
-    return table[which].reshape(rows.shape)
+    rows = np.ascontiguousarray(letters, np.uint8).view(f"S{width}").ravel()
+    texts = np.empty(len(rows), object)
+    for begin in range(0, len(rows), TOGETHER):
+        part = rows[begin : begin + TOGETHER].tolist()
+        for row in set(part) - known.keys():
+            known[row] = row.decode()
+        texts[begin : begin + TOGETHER] = [known[row] for row in part]
+    return texts.reshape(letters.shape[:-1])
 
 
 def width_of(longest: int) -> int:

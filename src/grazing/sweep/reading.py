@@ -30,7 +30,7 @@ from grazing.sweep.who import shares_of
 if TYPE_CHECKING:
     import xarray as xr
 
-#: Copies of letters while they become texts: as read, sorted, and decoded.
+#: Copies of letters while they become texts: as read, contiguous, and decoded.
 LETTERS = 3
 #: Seconds that this may take where nobody but the store asks for it.
 PATIENCE = 20.0
@@ -219,14 +219,13 @@ def _values(store: Store, name: str, records: Mapping[int, Record | None]) -> ND
 def _texts(store: Store, name: str, records: Mapping[int, Record | None]) -> NDArray[Any]:
     """Return the words of a variable, read chunk by chunk: their letters, all together, can be many times as large."""
     values = np.full(store.arrays[name].shape[:-1], "", object)
-    known: dict[str, str] = {}
+    known: dict[bytes, str] = {}
     for number, record in records.items():
         letters = _chunk(store, name, number, record)
         try:
-            words = decoded(letters)
+            values[store.grid.block(number)] = decoded(letters, known)
         except (ValueError, TypeError) as error:
             raise _damaged(store, f"{name} in chunk {number}", error) from error
-        values[store.grid.block(number)] = np.vectorize(lambda word: known.setdefault(word, word), "O")(words)
     return values
 
 
