@@ -3,6 +3,7 @@
 import io
 import json
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -15,6 +16,7 @@ import pytest
 import xarray as xr
 
 from grazing.cli import main
+from grazing.cli.sweep import resumable
 from grazing.config import load_config, result_of
 from grazing.sweep import open_store
 from grazing.sweep.made_by import made_by
@@ -250,3 +252,18 @@ def test_a_reader_that_has_left_does_not_make_a_store_complete(command):
     )  # fmt: skip
     os.close(writer)
     assert run.returncode == 3 and not run.stderr
+
+
+@pytest.mark.parametrize(
+    "named, command",
+    [
+        ({"map": "my maps.py:W", "model": None}, "grazing sweep resume a.zarr --map 'my maps.py:W'"),
+        ({"map": "gap"}, "grazing sweep resume a.zarr"),
+        ({}, "grazing sweep resume a.zarr"),
+    ],
+)
+def test_how_to_go_on_names_the_code_that_the_store_may_not(folder, named, command):
+    (folder / "a.zarr").mkdir()
+    (folder / "a.zarr" / "zarr.json").touch()
+    with pytest.raises(KeyboardInterrupt, match=re.escape(f"go on with '{command}'.")), resumable("a.zarr", named):
+        raise KeyboardInterrupt

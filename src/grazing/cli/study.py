@@ -177,7 +177,7 @@ def swept(plan: Any, store: Path, threads: int | None, show: progress.Counted | 
     from grazing.cli.sweep import asked, resumable
     from grazing.sweep import open_store, run
 
-    with resumable(store):
+    with resumable(store, plan.recipe or {}):
         asked(partial(run, plan, store, threads=threads, progress=show), False)
     return open_store(store, plan)
 

@@ -118,7 +118,7 @@ def run(
         found = sweep.estimate(plan, pieces, threads=threads)
         return _say(asdict(found), str(found), json)
     with (
-        resumable(store),
+        resumable(store, {"map": map, "model": model}),
         _executor(cluster, workers, cluster_option) as executor,
         progress.counted("cells", quiet) as show,
     ):
@@ -152,7 +152,7 @@ def resume(
 
     share = _shard(shard)
     with (
-        resumable(store),
+        resumable(store, {"map": map, "model": model}),
         _executor(cluster, workers, cluster_option) as executor,
         progress.counted("cells", quiet) as show,
     ):
@@ -246,16 +246,18 @@ def asked(go: Callable[..., Any], other_code: bool) -> Any:
 
 
 @contextmanager
-def resumable(store: str | Path) -> Iterator[None]:
-    """Say after Ctrl-C how to go on, if there is a store already."""
+def resumable(store: str | Path, named: Mapping[str, Any]) -> Iterator[None]:
+    """Say after Ctrl-C how to go on, if there is a store already, with the code of one's own that this call named."""
     try:
         yield
     except KeyboardInterrupt:
         if not os.path.isfile(Path(store) / "zarr.json"):
             raise
-        raise KeyboardInterrupt(
-            f"interrupted; {store} keeps what is done: go on with 'grazing sweep resume {quoted_file(str(store))}'."
-        ) from None
+        from grazing.config.own import KEYS, is_own
+
+        own = [f"--{key} {quoted_file(named[key])}" for key in KEYS if named.get(key) and is_own(named[key])]
+        command = " ".join(["grazing sweep resume", quoted_file(str(store)), *own])
+        raise KeyboardInterrupt(f"interrupted; {store} keeps what is done: go on with '{command}'.") from None
 
 
 def _plan(store: Path, map: str | None, model: str | None) -> Any:
