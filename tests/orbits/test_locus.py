@@ -398,3 +398,28 @@ def test_loci_of_piecewise_linear_maps_are_those_of_algebra(P, word, first, seco
     if kind == "ns":  # beyond a trace of -2 a neutral saddle
         for orbit in [one for one in found.orbits if abs(one.map.params["tL"] + 2.0) > 1e-6]:
             assert np.isreal(orbit.multipliers).all() == (orbit.map.params["tL"] < -2.0)
+
+
+@pytest.mark.filterwarnings("ignore:overflow", "ignore:invalid")
+def test_what_happens_all_along_a_locus_is_no_meeting():
+    """Both points of the orbit FH reach the border at rho = 0, whatever r2: 24 signs of rounding were meetings."""
+
+    def free(state, p):
+        x, y = state
+        return (0.7 * x + y + p.rho, -0.05 * x)
+
+    def hit(state, p, root):
+        x, y = state
+        return (y + p.rho - root, -0.05 * p.r2 * x)
+
+    params = {"rho": 0.05, "r2": 0.8}
+    box = ((-0.5, 0.3), (-0.3, 0.3))
+    pieces = {"F": free, "H": hit}
+    P = gz.Map(pieces=pieces, border=lambda state, p: state[0], params=params, coordinates=("x", "y"), box=box)
+    (orbit,) = gz.periodic_orbits(P, word="FH")
+    branch = gz.continuation(P, orbit, "rho", (-0.1, 0.2))
+    reached = [one for one in branch.special if one.type == "bcb"]
+    assert reached
+    for special in reached:
+        curve = gz.locus(special, ("rho", "r2"), ((-0.1, 0.2), (0.2, 1.0)))
+        assert len(curve.values) > 10 and not curve.meetings

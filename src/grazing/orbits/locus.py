@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, NamedTuple
@@ -234,6 +235,12 @@ def name_of(parts: Iterable[str]) -> str:
     return "+".join(once)
 
 
+def always_zero(path: Path) -> set[tuple[str, int]]:
+    """Return type and place of the test functions that are zero along a path: their signs are those of rounding."""
+    zeros = Counter((test.type, test.where) for q in path.points for test in q.tests if abs(test.value) <= ZERO)
+    return {which for which, count in zeros.items() if 2 * count > len(path.points)}
+
+
 def met_once(met: Iterable[Meeting], spans: Floats) -> tuple[Meeting, ...]:
     """Return meetings, those at one point as one, with all that happens there in its type."""
     found: list[Meeting] = []
@@ -377,7 +384,10 @@ def locus(
     solutions = [path.unscaled(q.z) for q in path.points]
     low, high = ranges[0]
     met = []
+    always = always_zero(path)
     for _index, event in path.events:
+        if (event.type, event.where) in always:
+            continue
         X, q = path.unscaled(event.point.z)
         kind = event.type
         if kind in ("lp", "bp"):  # the second parameter turns round: a cusp if the first one stands still too
