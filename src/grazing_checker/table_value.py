@@ -30,7 +30,7 @@ from grazing_checker.table import (
     table_text,
     turned,
 )
-from grazing_checker.value import Curve
+from grazing_checker.value import Curve, least_height
 
 KEYS = (
     "objects", "rho", "g", "tilt", "impacts", "energy", "parameter", "type", "pinned", "centre", "radius",
@@ -189,16 +189,13 @@ def curvature(table: Table, box: Point, dip: Dip, rows: Any) -> Ball:
 
 
 def height(table: Table, x: Point, dip: Dip, bend: Ball) -> Ball:
-    """Return a bound on the least height h of the dip: from below where it is positive, else from above.
+    """Return a bound on the least height h of the dip (:func:`grazing_checker.value.least_height`).
 
-    With h'' > b > 0 on the stretch, h is at least h(s) - h'(s)^2/(2 b) there, for any s in it, and at most h(s) at its
-    lowest. So there is one lowest point, which depends continuously on the orbit; where its height is 0 it is not at an
-    end of the stretch, as h > 0 there: h' = 0, a touch.
+    With h'' > b > 0 on the stretch there is one lowest point, which depends continuously on the orbit; where its height
+    is 0 it is not at an end of the stretch, as h > 0 there: h' = 0, a touch.
     """
     _flight, h = _path(table, x, dip)
-    at, rate = value(h, dip.time), value([k * c for k, c in enumerate(h)][1:], dip.time)
-    least = at - rate * rate / (2 * bend)
-    return least if least > 0 else at
+    return least_height(value(h, dip.time), value([k * c for k, c in enumerate(h)][1:], dip.time), bend)
 
 
 def end_sums(x: Point, table: Table) -> list[Ball]:

@@ -73,8 +73,8 @@ def _checked(data: Mapping[str, Any], inequalities: list[Any]) -> str:
         check_flights(problem, curve.box, curve.legs, data["cuts"], rows, dip)
         ends = [curve.end(data["ends"][i], i, rows) for i in range(2)]
         _change_of_sign(problem, data, curve, ends, dip, rows)
-        rows.finish()
         _claims(problem, data, curve, ends)
+        rows.finish()
     return value_sentence(data)
 
 
@@ -197,11 +197,10 @@ def _change_of_sign(
 def _heights(
     problem: Problem, curve: Curve, ends: list[tuple[Point, list[Leg]]], dip: Dip, rows: Inequalities
 ) -> list[Ball]:
-    """Return bounds on the least height of the dip at both ends, from below where it is positive, else from above.
+    """Return bounds on the least height of the dip at both ends (:func:`least_height`).
 
-    With y'' > b > 0 on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it, and at most y(s) at its
-    lowest. Demanded: s inside the stretch, the stretch inside its flight (``check_flights``), y'' > b over the whole
-    curve, so that there is one lowest point, which depends continuously on the orbit.
+    Demanded: the time s inside the stretch, the stretch inside its flight (``check_flights``), y'' > b > 0 over the
+    whole curve, so that there is one lowest point, which depends continuously on the orbit.
     """
     demand(dip.start < dip.time and dip.time < dip.stop, "the dip is not looked at where it is")
     b = rows.left("acceleration in the dip", ">")
@@ -210,10 +209,19 @@ def _heights(
     heights = []
     for box, legs in ends:
         path = problem.seen(box, legs[dip.flight], dip.wall)
-        y, v = path.at(dip.time), path.at(dip.time, 1)
-        least = y - v * v / (2 * b)
-        heights.append(least if least > 0 else y)
+        heights.append(least_height(path.at(dip.time), path.at(dip.time, 1), b))
     return heights
+
+
+def least_height(y: Ball, v: Ball, b: Ball) -> Ball:
+    """Return a bound on the least height of a dip: from below where it is surely positive, from above where negative.
+
+    With y'' > b > 0 on the stretch, y is at least y(s) - v(s)^2/(2 b) there, for any s in it, and at most y(s) at its
+    lowest. Demanded: one of the two shows a sign. Far from the lowest point y(s) > 0 does not, nor a bound < 0.
+    """
+    least = y - v * v / (2 * b)
+    demand(least > 0 or y < 0, "the height of the dip does not surely change its sign: at an end it has none")
+    return least if least > 0 else y
 
 
 def _claims(problem: Problem, data: Mapping[str, Any], curve: Curve, ends: list[tuple[Point, list[Leg]]]) -> None:

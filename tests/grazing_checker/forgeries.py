@@ -8,13 +8,14 @@ mathematics stands against him.
 import random
 from contextlib import contextmanager
 from copy import deepcopy
+from functools import partial
 from math import inf, isfinite, nextafter, ulp
 
 import numpy as np
 
 from grazing.proof.report import bound
 from grazing.proof.text import below, enclosed
-from grazing_checker import gap, orbit, table, table_value, value
+from grazing_checker import gap, orbit, plane, table, table_value, value
 from grazing_checker.balls import LOCK, double, number, pi, precision
 from grazing_checker.check import KINDS, trusted_base
 from grazing_checker.envelope import seal
@@ -704,6 +705,33 @@ def elsewhere(rng, data, others):
         end["centre"] = closed(data, x)
         end["radius"] = ["0x1p-90" if one == "0x0p0" else one for one in end["radius"]]
         end["radius"][pinned] = "0x0p0"
+    if data["dip"] and rng.random() < 0.5:
+        looked_at_where_it_crosses(data)
+
+
+def looked_at_where_it_crosses(data):
+    """The dip, if it goes below the wall or into the part, is looked at where it does, and not where it is lowest.
+
+    Its height there changes its sign along the curve, whatever that at its lowest does.
+    """
+    dip, size = data["dip"], len(data["centre"]) - 1
+    with precision(256):
+        x = [exact(text) for text in data["centre"]]
+        if "objects" in data:
+            at = table_value.Problem(data).legs(x)
+            h = table_value._path(at, x[:size], table_value._dip(data, at))[1]
+            height = partial(plane.value, h)
+        else:
+            problem = Problem(data, (data["parameter"]["of"], data["parameter"]["name"]))
+            wall = [one.name for one in problem.walls].index(dip.get("wall", ""))
+            height = problem.seen(x, problem.legs(x)[dip["flight"] - 1], wall).at
+        above, below = exact(dip["from"]), exact(dip["time"])
+        if not height(below) < 0:
+            return
+        for _ in range(200):
+            middle = ((above + below) / 2).mid()
+            above, below = (middle, below) if height(middle) > 0 else (above, middle)
+        dip["time"] = text_of(above)
 
 
 def closed(data, x, steps=3):

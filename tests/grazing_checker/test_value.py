@@ -1,5 +1,6 @@
 """Attacks on certificates of bifurcation values: each hypothesis is broken, with the sentence that then fits."""
 
+from copy import deepcopy
 from types import SimpleNamespace
 
 import pytest
@@ -8,8 +9,9 @@ from grazing_checker import Rejected, check, value
 from grazing_checker.balls import Ball, double, number, pi, precision
 from grazing_checker.oscillator import inside
 from grazing_checker.reading import exact
+from tests.grazing_checker.bases import bases
 from tests.grazing_checker.documents import WALLED_VALUES, changed, claiming, documents
-from tests.grazing_checker.forgeries import Pen, text_of
+from tests.grazing_checker.forgeries import Pen, elsewhere, sealed, text_of
 
 VALUES = ("pd", "gr", "lp", "ns", *WALLED_VALUES)
 
@@ -147,6 +149,31 @@ def test_a_quantity_of_one_sign_or_of_none_shows_nothing(monkeypatch, kind, sign
         curve = SimpleNamespace(pinned=1)
         with pytest.raises(Rejected, match="does not surely change its sign"):
             value._change_of_sign(problem, data, curve, [(x,) for x in values], dip, Pen([]))
+
+
+def test_a_dip_has_a_sign_only_where_its_least_height_has_one():
+    """y'' > 2 on the stretch, so that 0.1 with the velocity 1 may go on to -0.15: 0.1 is no least height."""
+    with precision(256):
+        for y, v, least in ((0.3, 1.0, 0.05), (0.3, -1.0, 0.05), (-0.1, 0.0, -0.1), (-0.1, 1.0, -0.1)):
+            assert abs(float(value.least_height(double(y), double(v), number(2))) - least) < 1e-15
+        for y, v in ((0.1, 1.0), (0.1, -1.0), (0.0, 0.0), (0.0, 1.0)):
+            with pytest.raises(Rejected, match="does not surely change its sign"):
+                value.least_height(double(y), double(v), number(2))
+
+
+@pytest.mark.parametrize("name", ["gr", "rattle gr", "aloft gr", "post gr", "tip gr"])
+def test_a_dip_that_is_below_at_both_ends_is_no_graze_wherever_it_is_looked_at(name):
+    """Beside its lowest point its height may change its sign: at the end where it is > 0 that shows nothing."""
+    base = bases()[name]
+    found = []
+    for by in (2, -2):
+        data = deepcopy(base["data"])
+        elsewhere(SimpleNamespace(randrange=lambda _n: 0, choice=lambda _ways, by=by: by, random=lambda: 0.0), data, [])
+        with pytest.raises(Rejected, match="does not surely change its sign") as refusal:
+            check(sealed(base["kind"], data, base["inequalities"]))
+        found.append(data["dip"]["time"] != base["data"]["dip"]["time"])
+        assert "at an end it has none" in str(refusal.value) or not found[-1]
+    assert sorted(found) == [False, True]  # off the wall on one side of the graze, below it on the other
 
 
 @pytest.mark.parametrize("side", [-1, 1])

@@ -251,6 +251,8 @@ def sign_rows(
         flow = equations.flow(x, wall=dip.wall)
         moment = flow.read(flow.fly(started(equations, f, x, flow, dip.wall), f.t, time))
         least = moment.y - moment.v**2 / (2 * found.bend)
+        if not (least > 0 or moment.y < 0):
+            raise Undecided
         heights.append(least if least > 0 else moment.y)
     rows = [_signed(f"height of the dip at end {i + 1}", x) for i, x in enumerate(_opposite(heights))]
     return [bound("acceleration in the dip", found.bend, ">", 0), *rows], time
