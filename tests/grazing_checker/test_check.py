@@ -177,6 +177,26 @@ def test_each_number_claimed_on_a_table_is_held_against_its_quantity(name):
                 check(resealed(forged))
 
 
+@pytest.mark.parametrize(
+    ("kind", "place"),
+    [
+        *((kind, (name,)) for kind in ("unstable", "pair") for name in ("box", "apart", "incoming", "multipliers")),
+        *((kind, (name,)) for kind in ("pd", "aloft gr") for name in ("box", "ends", "value")),
+        ("free", ("box",)), ("free", ("apart",)), ("stable", ("trace",)), ("pair", ("box", -1)),
+    ],
+)  # fmt: skip
+def test_a_claim_is_made_of_each_and_of_no_more(made, kind, place):
+    """A list that is too short says nothing of the rest, one that is too long what nothing is held against."""
+    for other in (lambda old: old[:-1], lambda old: [*old, old[-1]]):
+        forged = changed(made[kind], ("data", "claims", *place), other)
+        try:
+            sealed = claiming(forged)
+        except (IndexError, ValueError):  # no sentence can be made of it
+            sealed = resealed(forged)
+        with pytest.raises(Rejected, match=r"wrong size|not complete|not two mult|at two ends|no pair"):
+            check(sealed)
+
+
 @pytest.mark.parametrize("name", ["alpha", "k", "omega", "t0", "offset", "sigma"])
 def test_a_parameter_that_moves_by_its_last_bit_is_found(made, name):
     """Also with the sentence made anew: the box is far smaller than the orbit moves."""

@@ -63,7 +63,8 @@ def test_half_widths_are_positive_and_smaller_than_those_of_uniqueness(name):
 
 
 def test_a_claim_is_made_for_each_coordinate_and_for_no_more():
-    for name, said in (("box", "wrong size"), ("apart", "not complete")):
+    wrong = {"box": "wrong size", "apart": "not complete", "incoming": "not complete", "sums": "not complete"}
+    for name, said in wrong.items():
 
         def longer(data, name=name):
             data["claims"][name].append(data["claims"][name][0])

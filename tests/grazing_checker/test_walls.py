@@ -3,6 +3,7 @@
 import json
 from copy import deepcopy
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 from hypothesis import given, settings
@@ -11,7 +12,7 @@ from mpmath import mp, mpf
 
 import grazing as gz
 from grazing.proof.certify import certify
-from grazing_checker import Rejected, check
+from grazing_checker import Rejected, check, orbit
 from grazing_checker.balls import around, double, number, precision
 from grazing_checker.flight import Checked
 from grazing_checker.flight import Path as Flight
@@ -20,6 +21,7 @@ from grazing_checker.reading import exact
 from grazing_checker.walls import Wall, frame, mirrored, read
 from tests.examples import examples
 from tests.grazing_checker.documents import WALLED, WALLED_VALUES, changed, claiming, documents, impact_pair
+from tests.grazing_checker.forgeries import text_of
 
 OLD = sorted((Path(__file__).parent / "version2").glob("*.json"))
 NUMBERS = st.floats(-3.0, 3.0)
@@ -260,6 +262,30 @@ def test_a_mirror_image_is_claimed_of_nothing_else():
     refused(changed(broken, claims, lambda _old: True), "mirror image is not proven to be the orbit itself")
     slanted = changed(documents()["pair"], ("data", "walls", 1, "law", "parameters", "r"), lambda _old: (0.25).hex())
     refused(slanted, "existence|mirror")
+
+
+def image_of_itself(monkeypatch, periods=1, hits=(0, 1), model=True, **moved):
+    """What the claim asks of two impacts, at times 1 and 5 of a period 8, both with the velocity 3."""
+    x = {"first": 1.0, "second": 5.0, "one": 3.0, "two": 3.0} | moved
+    centre = [double(value) for value in x.values()]
+    data = {"claims": {"symmetric": True}, "centre": [text_of(value) for value in centre], "unique": ["0x1p-9"] * 4}
+    monkeypatch.setattr(orbit, "mirrored", lambda _data: model)
+    seen = SimpleNamespace(period=number(8))
+    orbit._symmetric(SimpleNamespace(n=2, N=periods, hits=[*hits], motion=lambda _box: seen), centre, data)
+
+
+def test_a_mirror_image_needs_each_of_what_makes_it_one(monkeypatch):
+    image_of_itself(monkeypatch)
+    image_of_itself(monkeypatch, periods=3, second=13.0)
+    for changes, said in (
+        ({"periods": 2, "second": 9.0}, "no such orbit"), ({"hits": (0, 0)}, "not at the other walls"),
+        ({"hits": (1, 1)}, "not at the other walls"), ({"model": False}, "the model is not"),
+        ({"second": 5.01}, "not proven to be the orbit itself"), ({"first": 0.99}, "not proven to be the orbit itself"),
+        ({"one": 3.01}, "not proven to be the orbit itself"), ({"two": 2.99}, "not proven to be the orbit itself"),
+        ({"periods": 3}, "not proven to be the orbit itself"),
+    ):  # fmt: skip
+        with pytest.raises(Rejected, match=said):
+            image_of_itself(monkeypatch, **changes)
 
 
 def test_parameters_are_texts_in_groups_that_do_not_meet():
