@@ -1,10 +1,12 @@
 """Attacks on certificates of bifurcation values: each hypothesis is broken, with the sentence that then fits."""
 
+from contextlib import nullcontext
 from copy import deepcopy
 from types import SimpleNamespace
 
 import pytest
 
+from grazing.proof.text import enclosed
 from grazing_checker import Rejected, check, value
 from grazing_checker.balls import Ball, double, number, pi, precision
 from grazing_checker.oscillator import inside
@@ -174,6 +176,21 @@ def test_a_dip_that_is_below_at_both_ends_is_no_graze_wherever_it_is_looked_at(n
         found.append(data["dip"]["time"] != base["data"]["dip"]["time"])
         assert "at an end it has none" in str(refusal.value) or not found[-1]
     assert sorted(found) == [False, True]  # off the wall on one side of the graze, below it on the other
+
+
+@pytest.mark.parametrize("claimed", ["stable", "unstable"])
+@pytest.mark.parametrize("follows", [True, False])
+@pytest.mark.parametrize("det", [0, 2])
+def test_an_end_is_stable_only_if_the_motions_beside_it_are_followed(claimed, follows, det):
+    """As an orbit is: one that leaves the wall with w = 0 may be thrown off by slow impacts beside it."""
+    held = claimed == "unstable" if det == 2 else claimed == "stable" and follows
+    with precision(256):
+        x = [Ball(1, 1e-12), Ball(2, 1e-12)]
+        sums = number(0), number(det)
+        problem = SimpleNamespace(size=1, trace_and_det=lambda *_end: sums, followed=lambda _box: follows)
+        claims = {"box": [enclosed(x[0])], "value": enclosed(x[1]), "ends": [claimed] * 2}
+        with nullcontext() if held else pytest.raises(Rejected, match=f"at end 1 is not proven '{claimed}'"):
+            value._claims(problem, {"claims": claims}, SimpleNamespace(box=x), [(x, []), (x, [])])
 
 
 @pytest.mark.parametrize("side", [-1, 1])
