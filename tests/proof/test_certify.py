@@ -198,7 +198,7 @@ def test_an_orbit_of_a_section_is_flown_first():
 
 @pytest.mark.parametrize("wrong", [None, 3, gz.pinball(), gz.stroboscopic_map(gz.pinball())])
 def test_what_is_no_orbit_is_refused(wrong):
-    with pytest.raises(gz.InputError, match="give a periodic orbit of the oscillator"):
+    with pytest.raises(gz.InputError, match="give a periodic orbit of an oscillator, a table or the gap map"):
         certify(wrong)
 
 

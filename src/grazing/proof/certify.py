@@ -214,7 +214,7 @@ def with_impacts(orbit: object) -> ImpactOrbit:
             raise InputError(f"{orbit!r} comes to rest on a wall; orbits that rest or chatter are not proven")
         return flown(orbit)
     raise InputError(
-        f"orbit is {shown(orbit)}; give a periodic orbit of the oscillator, "
+        f"orbit is {shown(orbit)}; give a periodic orbit of an oscillator, a table or the gap map, "
         "such as one of gz.one_impact_orbits(model, N)"
     )
 
