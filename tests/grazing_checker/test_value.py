@@ -64,16 +64,27 @@ def test_the_pinned_coordinate_and_the_preconditioner_belong_to_the_curve(kind):
             refused(changed(document, ("data", "preconditioner"), lambda _old, rows=rows: rows))
 
 
-def test_the_dip_of_a_graze_is_inside_its_flight_and_looked_at_inside_itself():
+@pytest.mark.parametrize("kind", [kind for kind in VALUES if kind.endswith("gr")])
+def test_the_dip_of_a_graze_is_inside_its_flight_and_looked_at_inside_itself(kind):
+    """Beside its stretch the acceleration has no bound, nor before or after its flight: its height there is none."""
+    document = documents()[kind]
+    dip = document["data"]["dip"]
+    outside, beside = "the dip is not inside its flight", "the dip is not looked at where it is"
+    for wrong, said in (
+        ({"from": "0x0p0"}, outside), ({"to": "0x1p9"}, outside), ({"from": dip["to"], "to": dip["from"]}, outside),
+        ({"time": dip["from"]}, beside), ({"time": dip["to"]}, beside), ({"time": "-" + dip["time"]}, beside),
+        ({"time": "0x1p9"}, beside), ({"flight": 0}, "the flight of the dip"), ({"flight": 9}, "no such flight"),
+        ({"flight": 1.0}, "the flight of the dip"), ({"flight": True}, "the flight of the dip"),
+    ):  # fmt: skip
+        refused(changed(document, ("data", "dip"), lambda d, wrong=wrong: {**d, **wrong}), said)
+
+
+def test_the_dip_of_a_graze_is_between_the_cuts_of_its_flight_and_there_where_one_is_needed():
     document = documents()["gr"]
     dip = document["data"]["dip"]
     start, end = document["data"]["cuts"][0]
-    for wrong in (
-        {"from": start}, {"from": "0x0p0"}, {"to": end}, {"from": dip["to"], "to": dip["from"]}, {"time": dip["from"]},
-        {"time": dip["to"]}, {"flight": 0}, {"flight": 2}, {"flight": 1.0}, {"flight": True},
-        {"time": "-" + dip["time"]},
-    ):  # fmt: skip
-        refused(changed(document, ("data", "dip"), lambda d, wrong=wrong: {**d, **wrong}))
+    for wrong in ({"from": start}, {"to": end}):
+        refused(changed(document, ("data", "dip"), lambda d, wrong=wrong: {**d, **wrong}), "not inside its flight")
     refused(changed(document, ("data", "dip"), lambda d: {}), "lacks")
     pd = documents()["pd"]
     refused(changed(pd, ("data", "dip"), lambda _old: dip), "a dip in a certificate that needs none")
