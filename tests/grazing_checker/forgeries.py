@@ -21,7 +21,7 @@ from grazing_checker.check import KINDS, trusted_base
 from grazing_checker.envelope import seal
 from grazing_checker.gradient import Gradient
 from grazing_checker.oscillator import Problem
-from grazing_checker.reading import exact
+from grazing_checker.reading import decimal, exact
 from grazing_checker.sentence import orbit_sentence, value_sentence
 
 SENTENCES = {
@@ -67,7 +67,7 @@ class Pen:
         least = {">": "1E-90", "<": "-1E-90" if right == "0" else "0.99999999"}[relation]
         known = [one["left"] for one in self.script if one["name"] == name]
         self.rows.append(row(name, relation, right, known[0] if known else least))
-        return number(0) if right == "0" else number(1)
+        return decimal(self.rows[-1]["left"])
 
     def finish(self):
         raise Written(self.rows)

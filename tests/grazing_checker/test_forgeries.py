@@ -15,7 +15,7 @@ from mpmath import mp, mpf
 from grazing_checker import Rejected, check
 from tests.grazing_checker.bases import GAP_NAMES, KINDS, TABLE_NAMES, TABLE_VALUE_NAMES, bases
 from tests.grazing_checker.documents import NAMES, documents
-from tests.grazing_checker.forgeries import elsewhere, forgeries
+from tests.grazing_checker.forgeries import elsewhere, forgeries, sealed
 from tests.grazing_checker.truth import is_true, rig_of
 from tests.grazing_checker.truth_walls import entries_of, exponential
 
@@ -59,6 +59,19 @@ def test_no_forgery_is_accepted_that_is_false(kind):
 
 
 VALUES = ("bifurcation value", "bifurcation value with walls", "bifurcation value on a table")
+
+
+@pytest.mark.parametrize(
+    "name", [*(name for name in NAMES if name[-2:] in ("pd", "gr", "lp", "ns")), *TABLE_VALUE_NAMES]
+)
+def test_the_forger_writes_all_that_a_curve_claims(name):
+    """Where he stops before the end a curve is refused for the claims that stay, and nothing else is tried."""
+    base = bases()[name]
+    data = deepcopy(base["data"])
+    for interval in (data["claims"]["value"], *data["claims"]["box"]):
+        interval[:] = ["0", "0"]
+    forged = sealed(base["kind"], data, base["inequalities"])
+    assert check(forged) == forged["statement"]
 
 
 def elsewhere_only(kind, count, seed):
