@@ -189,6 +189,18 @@ def test_a_dip_that_is_below_at_both_ends_is_no_graze_wherever_it_is_looked_at(n
     assert sorted(found) == [False, True]  # off the wall on one side of the graze, below it on the other
 
 
+@pytest.mark.parametrize("name", [kind for kind in VALUES if kind.endswith("gr")])
+def test_the_acceleration_of_a_dip_is_proven_and_not_said(name):
+    """With a large one every height is as good as the least, so that a dip may be looked at where it crosses."""
+    base = documents()[name]
+    rows = [{**row, "left": "1E9"} if row["name"] == "acceleration in the dip" else row for row in base["inequalities"]]
+    for by in (2, -2):
+        data = deepcopy(base["data"])
+        elsewhere(SimpleNamespace(randrange=lambda _n: 0, choice=lambda _ways, by=by: by, random=lambda: 0.0), data, [])
+        with pytest.raises(Rejected, match="the acceleration in the dip is not proven"):
+            check(sealed(base["kind"], data, rows))
+
+
 @pytest.mark.parametrize("claimed", ["stable", "unstable"])
 @pytest.mark.parametrize("follows", [True, False])
 @pytest.mark.parametrize("det", [0, 2])
