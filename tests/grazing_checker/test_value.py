@@ -13,7 +13,7 @@ from grazing_checker.oscillator import inside
 from grazing_checker.reading import exact
 from tests.grazing_checker.bases import bases
 from tests.grazing_checker.documents import WALLED_VALUES, changed, claiming, documents
-from tests.grazing_checker.forgeries import Pen, elsewhere, sealed, text_of
+from tests.grazing_checker.forgeries import Pen, elsewhere, fitting_matrix, sealed, text_of
 
 VALUES = ("pd", "gr", "lp", "ns", *WALLED_VALUES)
 
@@ -187,6 +187,19 @@ def test_a_dip_that_is_below_at_both_ends_is_no_graze_wherever_it_is_looked_at(n
         found.append(data["dip"]["time"] != base["data"]["dip"]["time"])
         assert "at an end it has none" in str(refusal.value) or not found[-1]
     assert sorted(found) == [False, True]  # off the wall on one side of the graze, below it on the other
+
+
+@pytest.mark.parametrize("later", [0, 1])
+def test_nothing_but_the_dip_touches(later):
+    """Gone round twice a free orbit has its dip twice, and only one of them is named."""
+    base = documents()["aloft gr"]
+    data = {**deepcopy(base["data"]), "periods": 2}
+    with precision(256):
+        turn = 2 * pi() / double(float.fromhex(data["model"]["omega"]))
+        data["dip"] |= {name: text_of(exact(data["dip"][name]) + later * turn) for name in ("from", "to", "time")}
+    fitting_matrix(None, data, [])
+    with pytest.raises(Rejected, match="distance of the orbit from wall A is not proven"):
+        check(sealed(base["kind"], data, base["inequalities"]))
 
 
 @pytest.mark.parametrize("name", [kind for kind in VALUES if kind.endswith("gr")])
