@@ -65,8 +65,8 @@ def _checked(data: Mapping[str, Any], inequalities: list[Any]) -> str:
         _least_period(problem, box, data, rows)
         if "symmetric" in data["claims"]:
             _symmetric(problem, box, data)
-        rows.finish()
         _incoming(problem.n, legs, data["claims"])
+        rows.finish()
     return orbit_sentence(data)
 
 
