@@ -1,5 +1,6 @@
 """Attacks on certificates of orbits: each hypothesis of the theorems is broken, with the sentence that then fits."""
 
+from copy import deepcopy
 from fractions import Fraction
 
 import numpy as np
@@ -11,12 +12,13 @@ import grazing as gz
 from grazing.proof.certify import certify
 from grazing.proof.text import exact_text
 from grazing_checker import Rejected, check
-from grazing_checker.balls import double, number
-from grazing_checker.oscillator import spread
+from grazing_checker.balls import double, number, precision
+from grazing_checker.oscillator import Problem, spread
 from grazing_checker.reading import exact
 from grazing_checker.sentence import active_harmonics
 from tests.examples import examples
 from tests.grazing_checker.documents import changed, claiming, documents, resealed
+from tests.grazing_checker.forgeries import fitting_matrix, newton, sealed
 from tests.proof.orbits import closed, doubled, without_impacts
 
 ORBITS = ("stable", "unstable", "free", "own")
@@ -75,6 +77,32 @@ def test_whatever_passes_the_test_of_contraction_is_regular(entries, u):
     if all(a < b for a, b in zip(spread(C, D, widths), widths, strict=True)):
         a, b, c, d = (Fraction(x) for x in entries[:4])
         assert a * d != b * c
+
+
+def test_no_cut_hides_a_flight_that_goes_through_the_wall():
+    """Up to the first cut the ball only leaves, after the last one it only comes: its height is not asked for there."""
+    base = documents()["stable"]
+    data = deepcopy(base["data"])
+    data["model"]["offset"] = (0.098).hex()  # beyond the graze at 0.09845
+    with precision(256):
+        newton(data)
+        newton(data)
+        fitting_matrix(None, data, [])
+        (leg,) = Problem(data).legs([exact(text) for text in data["centre"]])
+        assert leg.path.at(number(6)) < 0  # from 5.97 to 6.02, of 8.57
+    start, end = data["cuts"][0]
+    rows = [
+        {**row, "left": "1E-90" if row["relation"] == ">" else "-1E-90"} if "cut" in row["name"] else row
+        for row in base["inequalities"]
+    ]
+    for cuts, said in (
+        ([start, end], "height of flight 1 between its cuts"),
+        (["0x19p-2", end], "velocity of flight 1 up to its first cut"),
+        ([start, "0x17p-2"], "velocity of flight 1 after its last cut"),
+    ):
+        data["cuts"] = [cuts]
+        with pytest.raises(Rejected, match=f"{said} is not proven"):
+            check(sealed(base["kind"], data, rows))
 
 
 def test_impacts_come_in_the_order_of_time():
