@@ -2,13 +2,14 @@
 
 from copy import deepcopy
 from itertools import combinations
+from math import pi
 
 import numpy as np
 import pytest
 from flint import arb
 
 from grazing_checker import Rejected, check, table_value
-from grazing_checker.balls import precision
+from grazing_checker.balls import number, precision
 from grazing_checker.reading import exact
 from tests.grazing_checker.bases import TABLE_VALUE_NAMES, table_value_bases
 from tests.grazing_checker.forgeries import Pen, elsewhere, sealed, text_of
@@ -149,19 +150,43 @@ def test_beside_the_end_of_a_wire_nothing_is_touched():
         refused("tip gr", put("dip", base | {"part": part}), "place of the dip|distance|curvature|not surely off")
 
 
+def test_beside_the_ends_of_an_arc_nothing_is_touched():
+    """In place of a post that the ball touches from below: a bow below its middle, or above it, of the same circle."""
+
+    with precision(256):
+        time = exact(table_value_bases()["post gr"]["data"]["dip"]["time"])
+
+    def bow(middle):
+        def change(data):
+            (post,) = (one for one in data["objects"] if one["name"] == "post")
+            post["kind"] = "arc"
+            data["dip"] |= {"part": "outer", "from": text_of(time - number(1, -5)), "to": text_of(time + number(1, -5))}
+            post["shape"] |= {"start": (middle - 1.4).hex(), "stop": (middle + 1.4).hex()}
+
+        return change
+
+    assert 'the ball touches outer of "post"' in check(changed("post gr", bow(-pi / 2)))
+    for middle in (0.0, pi / 2, pi):
+        refused("post gr", bow(middle), "'place of the dip on its part' is false")
+
+
 def test_a_stretch_that_is_too_short_or_too_long_is_refused():
     """At its ends the ball must be off; and elsewhere nothing but the dip is left out."""
     base = table_value_bases()["post gr"]["data"]["dip"]
     with precision(256):
         time = exact(base["time"])
         narrow = {"from": text_of(time - arb(2) ** -70), "to": text_of(time + arb(2) ** -70)}
-        beside = {
-            "from": text_of(time - arb(2) ** -3),
-            "to": text_of(time - arb(2) ** -5),
-            "time": text_of(time - arb(2) ** -4),
-        }
     refused("post gr", put("dip", base | narrow), "before the dip|after the dip|not surely off post")
-    refused("post gr", put("dip", base | beside), "not surely off post|after the dip")
+
+
+@pytest.mark.parametrize("side", [-1, 1])
+def test_nothing_but_the_dip_touches(side):
+    """The stretch is beside it, before or after."""
+    base = table_value_bases()["post gr"]["data"]["dip"]
+    with precision(256):
+        times = sorted((exact(base["time"]) + side * number(1, e) for e in (-3, -4, -5)), key=float)
+    beside = dict(zip(("from", "time", "to"), map(text_of, times), strict=True))
+    refused("post gr", put("dip", base | beside), "a flight is not surely off post")
 
 
 def test_what_is_in_the_way_is_found():
