@@ -61,7 +61,22 @@ def test_the_pinned_coordinate_and_the_preconditioner_belong_to_the_curve(kind):
     C = document["data"]["preconditioner"]
     for rows in ([C[0]] * len(C), C[::-1], [[(0.0).hex()] * len(C)] * len(C)):
         if rows != C:
-            refused(changed(document, ("data", "preconditioner"), lambda _old, rows=rows: rows))
+            said = "curve, coordinate .' does not hold"
+            refused(changed(document, ("data", "preconditioner"), lambda _old, rows=rows: rows), said)
+
+
+@pytest.mark.parametrize("kind", VALUES)
+def test_the_curve_stays_in_its_box_all_along_and_its_ends_are_solutions(kind):
+    document = documents()[kind]
+    data = document["data"]
+    pinned, radius = data["pinned"], [exact(text) for text in data["radius"]]
+    longer = changed(document, ("data", "radius", pinned), lambda _old: text_of(2**12 * radius[pinned]))
+    if kind != "table lp":  # its w_1 is always the same, and the parameter nearly so where it folds
+        refused(longer, "curve, coordinate .' does not hold")
+    i = 0 if pinned else 1
+    with precision(256):
+        beside = text_of(exact(data["ends"][0]["centre"][i]) + radius[i] / 16)
+    refused(changed(document, ("data", "ends", 0, "centre", i), lambda _old: beside), "end 1, coordinate")
 
 
 @pytest.mark.parametrize("kind", [kind for kind in VALUES if kind.endswith("gr")])
