@@ -12,7 +12,7 @@ from grazing_checker.plane import Apart, Flight, Reader, Thing, factored, over, 
 from grazing_checker.reading import exact
 from grazing_checker.table import Table, margins, sums_of
 from tests.grazing_checker.bases import TABLE_NAMES, table_bases
-from tests.grazing_checker.forgeries import fit, fitting_matrix, newton, sealed
+from tests.grazing_checker.forgeries import fit, fitting_matrix, newton, sealed, text_of
 
 KIND = "periodic orbit on a table"
 
@@ -60,6 +60,17 @@ def test_half_widths_are_positive_and_smaller_than_those_of_uniqueness(name):
         refused(name, lambda data, one=one, two=two: data.update(radius=one, unique=two), "one inside the other")
     for i in range(size):
         refused(name, lambda data, i=i: data["radius"].__setitem__(i, "0x0p0"), "one inside the other")
+
+
+@pytest.mark.parametrize("name", TABLE_NAMES)
+def test_the_centre_is_near_a_zero_of_the_equations(name):
+    """Beside it by twice the half-width: what is bounded over the large box holds as before."""
+
+    def beside(data):
+        with precision(256):
+            data["centre"][0] = text_of(exact(data["centre"][0]) + 2 * exact(data["radius"][0]))
+
+    refused(name, beside, "'existence, coordinate 1' is false")
 
 
 def test_a_claim_is_made_for_each_coordinate_and_for_no_more():
