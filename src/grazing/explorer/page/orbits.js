@@ -89,7 +89,7 @@ export const RESTS = /^(S|\(S[AB]\))+$/;
 /** The impacts of a class, in words; nothing for a map that does not count them. @param {Class} each */
 function impactsOf({ impacts, word, length, period }) {
   if (impacts === undefined) return "";
-  const turns = length !== period ? ` in ${length} periods` : "";
+  const turns = length !== period ? ` in ${length} period${length > 1 ? "s" : ""}` : "";
   if (impacts !== null) return impacts === 0 ? ", no impact" : `, ${impacts === 1 ? "one impact" : `${impacts} impacts`}${turns}`;
   if (RESTS.test(word)) return ", at rest on the wall";
   return /[CS]/.test(word) ? `, impacts that die away in completed chatter${word.includes("S") ? ", and rest on the wall" : ""}` : "";
