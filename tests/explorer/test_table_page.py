@@ -372,6 +372,7 @@ def test_exits_are_seen_to_part_and_are_zoomed(shown, address, table):
     before = page.evaluate("() => { const a = pinball.exits().axes; return [a.x0, a.x1, a.y0, a.y1]; }")
     box = page.locator("#exits").bounding_box()
     page.mouse.move(box["x"] + 0.5 * box["width"], box["y"] + 0.4 * box["height"])
+    page.wait_for_timeout(200)  # a turn of the wheel goes on for 150 ms: no hand changes the table in that time
     page.mouse.wheel(0, -300)
     shown.until(f"() => pinball.exits().axes.x1 - pinball.exits().axes.x0 < {0.9 * (before[1] - before[0])}")
     page.focus("#exits")
