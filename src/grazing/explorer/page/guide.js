@@ -1,7 +1,7 @@
 // @ts-check
 /** The guide beside the pictures: the steps of the tour with their questions, and the note that a link carries. */
 import { nodes, typeset } from "./controls.js";
-import { write } from "./note.js";
+import { note } from "./note.js";
 import { LONGEST_NOTE, numeral } from "./state.js";
 import { TOUR } from "./tour.js";
 
@@ -63,7 +63,7 @@ export function guided({ change, present, state }) {
     const step = TOUR[now.tour - 1], focused = document.activeElement, left = !step && guide.contains(focused);
     guide.hidden = !step;
     if (left) byId("tour").focus();
-    write(byId("note"), now.note);
+    note(byId("note"), now.note);
     if (byId("write") !== focused) byId("write").value = now.note;
     ask(step, now);
     if (step && told !== step) {

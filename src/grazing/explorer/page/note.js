@@ -3,13 +3,13 @@
 import { nodes } from "./controls.js";
 import { EXERCISES } from "./presets.js";
 
-/** Write a note, or none. What stands there already is left: it would be read aloud again, and an answer folded. @param {HTMLElement} box @param {string} note */
-export function write(box, note) {
-  box.hidden = !note;
-  if (box.dataset.written === note) return;
-  box.dataset.written = note;
-  box.replaceChildren(...nodes(note));
-  const answer = Object.values(EXERCISES).find(([ask]) => ask === note)?.[2];
+/** Write a note, or none. What stands there already is left: it would be read aloud again, and an answer folded. @param {HTMLElement} box @param {string} text */
+export function note(box, text) {
+  box.hidden = !text;
+  if (box.dataset.written === text) return;
+  box.dataset.written = text;
+  box.replaceChildren(...nodes(text));
+  const answer = Object.values(EXERCISES).find(([ask]) => ask === text)?.[2];
   if (!answer) return;
   const folded = document.createElement("details"), name = document.createElement("summary"), told = document.createElement("p");
   name.textContent = "Answer";

@@ -5,7 +5,7 @@ import { Edit, hasRoom } from "./edit.js";
 import { Exits } from "./exits.js";
 import { load } from "./load.js";
 import { missedBy } from "./near.js";
-import { write } from "./note.js";
+import { note } from "./note.js";
 import { Played, unpacked } from "./played.js";
 import { Axes } from "./plot.js";
 import { RUNGS } from "./rungs.js";
@@ -422,7 +422,7 @@ function arrive() {
     problem(`The link could not be read: ${why(error)}. The machine is shown instead.`);
   }
   choose(given?.table ?? "classic", given?.changes);
-  write($("note"), given?.note ?? "");
+  note($("note"), given?.note ?? "");
   if (given?.start) replay(given.start, given.presses, given.nudges);
   return Boolean(given?.start);
 }
