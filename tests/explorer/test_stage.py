@@ -180,6 +180,21 @@ def test_it_begins_and_ends_by_key_and_button(shown, address):
     assert not presenting(shown)
 
 
+@pytest.mark.parametrize("times", [5, 6])
+def test_who_begins_and_ends_in_haste_has_what_was_asked_for_last(shown, address, times):
+    """The end of a full screen that the page had left was taken for the browser's own key."""
+    shown.open(f"{address}#version=2&view=ball&columns=60")
+    for _ in range(4):
+        for _ in range(times):
+            shown.page.keyboard.press("p")
+        shown.page.wait_for_timeout(300)  # all that is under way has arrived
+        assert presenting(shown) == (times % 2 == 1)
+        assert shown.page.evaluate("() => Boolean(document.fullscreenElement)") == (times % 2 == 1)
+        if times % 2:
+            shown.page.keyboard.press("Escape")
+            shown.until("() => !document.body.classList.contains('presenting') && !document.fullscreenElement")
+
+
 @pytest.mark.parametrize("how", ["mouse", "keys"])
 def test_who_has_chosen_with_a_mouse_leaves_the_keys_to_the_page(shown, address, how):
     """The menu kept P and S after an exercise was chosen; by keys one may go on in it."""

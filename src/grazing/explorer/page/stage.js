@@ -40,7 +40,18 @@ function kept(on) {
 /** Let the page be presented: by its button or P, and back by either or Escape; what fingers do to sliders. @param {() => void} again what draws everything once more */
 export function stage(again) {
   const { classList } = document.body, more = document.getElementById("more"), tour = document.getElementById("tour")?.parentElement;
-  let ours = false; // whether it is the page that ends the full screen, and not the browser's own key
+  let turning = 0, turned = /** @type {Promise<any>} */ (Promise.resolve()); // the page's own ways into the full screen and out of it
+  const fill = () => {
+    turning++; // one after the other: what is asked for while another is under way is lost
+    turned = turned
+      .then(() => {
+        const on = classList.contains("presenting");
+        if (on !== Boolean(document.fullscreenElement)) return on ? document.documentElement.requestFullscreen?.() : document.exitFullscreen();
+      })
+      .catch(() => {}) // where it is not allowed, the window is filled
+      .then(() => new Promise(requestAnimationFrame)) // it is told of in a frame
+      .then(() => turning--);
+  };
   const all = (/** @type {boolean} */ on) => {
     classList.toggle("all", on);
     if (tour) (on ? byId("controls") : /** @type {HTMLElement} */ (document.querySelector("header")))[on ? "prepend" : "append"](tour);
@@ -54,8 +65,7 @@ export function stage(again) {
     kept(on);
     byId("stage").hidden = !on;
     all(false);
-    if (on) document.documentElement.requestFullscreen?.().catch(() => {}); // where it is not allowed, the window is filled
-    else if ((ours = Boolean(document.fullscreenElement))) document.exitFullscreen();
+    fill();
     const picture = /** @type {HTMLElement[]} */ ([...document.querySelectorAll(".view canvas[tabindex], #table")]).find((each) => each.offsetParent);
     (on ? picture : byId("present"))?.focus({ preventScroll: true }); // the keys of the picture are at hand
     scrollTo(0, 0);
@@ -67,8 +77,7 @@ export function stage(again) {
   document.addEventListener("wheel", () => {}, { passive: true });
   more?.addEventListener("click", () => all(!classList.contains("all")));
   document.addEventListener("fullscreenchange", () => {
-    if (!document.fullscreenElement && !ours) show(false);
-    ours = false;
+    if (!document.fullscreenElement && !turning) show(false); // by the browser's own key
   });
   document.addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.metaKey || event.altKey) return;
