@@ -1,6 +1,7 @@
 """First contacts of balls on tables: grazes that are built, a dense search, and exact algebra."""
 
 from functools import lru_cache
+from math import cos, sin
 
 import numpy as np
 import pytest
@@ -181,6 +182,15 @@ def test_a_ball_inside_an_object_and_one_at_rest_end_by_name():
     assert flags == STUCK and t == 0.0
     _surface, t, flags = alone(table, (5.0, -2.9, 1.0, 1e-3), left=0.0)
     assert flags == 0 and t == pytest.approx(2e-3 / table.gravity)
+
+
+@pytest.mark.parametrize(("far", "inside"), [(1.7, False), (1.95, True), (2.0, True), (2.05, True), (2.3, False)])
+def test_a_ball_in_the_body_of_an_arc_ends_by_name(far, inside):
+    table = gz.table([gz.arc("A", (1.0, 1.0), 2.0, 0.0, 1.5, gz.newton(0.5))], rho=0.1)
+    state = (1.0 + far * cos(0.7), 1.0 + far * sin(0.7), 0.1, 0.2)
+    assert bool(contact(table, state)[2] & INSIDE_WALL) == inside
+    beyond = (1.0 + far * cos(1.9), 1.0 + far * sin(1.9), -0.2, 0.1)
+    assert not contact(table, beyond)[2] & INSIDE_WALL
 
 
 @pytest.mark.parametrize("up", [0.0, 1e-17, -1e-17, -1e-16])

@@ -12,7 +12,7 @@ from grazing.billiard.exact import exact_contact
 from grazing.billiard.flippers import AT_TIP, LONG, row_of
 from grazing.billiard.flown import FIRST, FLAGS, LAST, NEXT, OWNER, SURFACE, TIME, flights_of
 from grazing.billiard.turning import at_surface, clear_of, foot_at, look
-from grazing.outcome import AMBIGUOUS, INSIDE_WALL
+from grazing.outcome import AMBIGUOUS, ESCAPED, INSIDE_WALL
 from tests.billiard.flippers import KINDS, grazing, least_gap, pair
 from tests.billiard.tables import ELASTIC
 from tests.billiard.test_march import contact
@@ -271,3 +271,18 @@ def test_along_the_underside_over_the_tip_or_from_it_it_leaves_at_once(way):
             new, letter = P(state)
             assert P.letters.symbol(letter) == "(floor)" or abs(new[0] - place) > 0.1
             assert np.isfinite(P.jacobian(state)).all() == (new[2] > 0.0)
+
+
+@pytest.mark.parametrize("start", [0.0, 100.0])
+def test_a_ball_that_a_flipper_presses_against_a_wall_stays_before_it(start):
+    """Late times are coarse, and put it behind an arc by more than a gap is good to."""
+    laws, random = [gz.newton(0.2), gz.newton(0.5), gz.active(r=0.5, V=0.3)], np.random.default_rng(1)
+    for law in laws:
+        flipper = gz.flipper("L", (1.0, 1.0), 2.0, 0.2, -0.2, 0.5, gz.newton(0.5), up=9.0, down=4.0)
+        corners = ((0.0, 12.0), (4.0, 12.0), (4.0, 0.0))
+        walls = [gz.segment("left", (0.0, 0.0), corners[0], law), gz.segment("top", *corners[:2], law)]
+        walls += [gz.segment("right", *corners[1:], law), gz.arc("bowl", (2.0, 2.2), 2.2, pi, 2.0 * pi, law)]
+        table = gz.table([flipper, *walls], rho=0.1, tilt=0.4, player=gz.flips(2.3, 0.5, 0.2))
+        for state in random.uniform((0.5, 2.3, -1.0, -2.0), (3.5, 4.0, 1.0, 2.0), (12, 4)):
+            flights = flights_of(table, tuple(state), start, start + 23.0, 5000)
+            assert not int(flights[-1, FLAGS]) & (ESCAPED | INSIDE_WALL)

@@ -36,7 +36,6 @@ from grazing.billiard.roots import (
     same,
 )
 from grazing.billiard.rows import (
-    BARE,
     CIRCLES,
     COSINE,
     EX,
@@ -55,6 +54,7 @@ from grazing.billiard.rows import (
     SIDES,
     SIGN,
     SIZE,
+    THICK,
     THING,
     THINGS,
     WIDTH,
@@ -121,7 +121,7 @@ def gaps_of(block: Floats, state: tuple[float, ...], left: int, slid: bool = Fal
             clear: tuple[fmpq_poly, ...] = ()
             other = rows[WIDTH * (left - faces) :][:WIDTH] if left >= 2 * faces + circles else row
             fresh = left == surface or (other is not row and (other[OWNER], other[SIZE]) == (row[OWNER], row[SIZE]))
-            if row[BARE] > 0.0 and left >= 0 and not fresh:
+            if row[THICK] == 0.0 and left >= 0 and not fresh:
                 fresh, comes = side_corner(row, x0, y0, vx0, vy0, body_of(left, faces, circles, rows, x0, y0))
                 ends = sunk(row, -1.0, left, faces, circles, rows), sunk(row, 1.0, left, faces, circles, rows)
                 begins = at_sunk(row, ends, x0, y0, slack_of(row, x0, y0))

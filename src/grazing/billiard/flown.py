@@ -271,6 +271,8 @@ def table_trajectory(table: Table, state: ArrayLike, start: float, until: float,
     begin = checked_start(state)
     table.refuse_inside(begin[0], begin[1], start)
     clock = start if table.autonomous else 0.0  # what its times are measured from: late ones have few digits
+    if 0.0 < table.period < INFINITY:
+        clock = start - start % table.period
     start, until, end = start - clock, until - clock, until
     flights, pressed = played_flights(table, begin, start, until)
     flags = int(np.bitwise_or.reduce(flights[:, FLAGS].astype(int)))

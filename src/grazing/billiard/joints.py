@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from grazing.billiard.elements import SAME, element, gap_of, holds, normal_of, to_end
 from grazing.billiard.hit import flown
 from grazing.billiard.roots import SHARE, Gap, Root, beside
-from grazing.billiard.rows import BARE, FACES, GRAVITY, HEAD, SIZE, THING, THINGS, WIDTH
+from grazing.billiard.rows import FACES, GRAVITY, HEAD, SIZE, THICK, THING, THINGS, WIDTH
 
 Floats = NDArray[np.float64]
 
@@ -20,7 +20,7 @@ def bare(surface: int, block: Floats) -> bool:
     """Say whether a surface with ends is that of a ball without a radius: nothing is around these."""
     faces, things = int(block[FACES]), HEAD + THING * int(block[THINGS])
     row = block[things + WIDTH * (surface // 2 if surface < 2 * faces else surface - faces) :]
-    return bool(row[SIZE] == 0.0 if surface < 2 * faces else row[BARE] > 0.0)
+    return bool(row[SIZE] == 0.0 if surface < 2 * faces else row[THICK] == 0.0)
 
 
 def ways_at(root: Root, gap: Gap, state: tuple[float, ...], block: Floats) -> list[tuple[float, float]]:

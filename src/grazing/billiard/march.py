@@ -24,7 +24,6 @@ from grazing.billiard.faces import (
 from grazing.billiard.flippers import AT, FLIPPER_WIDTH, KINDS
 from grazing.billiard.gaps import DEEP, EPS, GAP, LOOKS, crossing, first_step, lowest, rests, slid_off, touches
 from grazing.billiard.rows import (
-    BARE,
     CIRCLES,
     COSINE,
     FACES,
@@ -39,13 +38,14 @@ from grazing.billiard.rows import (
     SIDES,
     SIGN,
     SIZE,
+    THICK,
     THING,
     THINGS,
     WIDTH,
 )  # fmt: skip
 from grazing.billiard.turning import of_flipper
 from grazing.kernel.primitives import behind, inlined
-from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
+from grazing.outcome import AMBIGUOUS, DIVERGED, FATAL, INSIDE_WALL, OK, STUCK, TOO_MANY_IMPACTS, TOO_MANY_SWINGS
 
 INFINITY = float("inf")
 #: Sizes and speeds beyond which a gap, of their fourth powers, leaves the range of doubles.
@@ -157,6 +157,13 @@ def side_contact(
         return 0.0, 0.0, STUCK
     # else it is on the other side of the circle, beyond the ends of the arc
     outside = fresh or (not passed and sign * (far2 - size * size) >= -e)
+    if not outside and row[THICK] > 0.0:
+        far = sqrt(far2)
+        wide = GAP * EPS * (far + size)
+        if dx * row[MX] + dy * row[MY] > row[COSINE] * far + wide:
+            outside = sign * (far2 - size * size) >= -DEEP * e  # rounding put it behind what it touches
+            if not outside and sign * (far - size) > DEEP * wide - row[THICK]:
+                return 0.0, 0.0, INSIDE_WALL
     fresh = fresh or passed
     for _ in range(LOOKS):
         t, late, said = crossing(dx, dy, vx, vy, g, size, sign if outside else -sign, t, fresh, end)
@@ -233,7 +240,7 @@ def of_sides(
         if not fresh and last >= base:  # without a radius both sides are one circle
             other = behind(rows, WIDTH * (last - base))
             passed = other[OWNER] == row[OWNER] and other[SIZE] == row[SIZE]
-        if row[BARE] > 0.0 and last >= 0 and not fresh and not passed:
+        if row[THICK] == 0.0 and last >= 0 and not fresh and not passed:
             passed, behind_it = side_corner(row, x, y, vx, vy, body_of(last, faces, circles, start, x, y))
             ends = sunk(row, -1.0, last, faces, circles, start), sunk(row, 1.0, last, faces, circles, start)
             begins = at_sunk(row, ends, x, y, slack_of(row, x, y))

@@ -45,8 +45,9 @@ EX, EY, RIGHT, PASSED = 6, 7, 8, 9
 #: Of a circle: the angle at which places begin. Its point is the centre.
 ANGLE = 6
 #: Of a side of an arc: beside the angle, 1 for outside and -1 for inside; the direction of its middle, and the cosine
-#: of half of its span; 1 for a ball without a radius, to which both sides are one circle.
-SIGN, MX, MY, COSINE, BARE = 7, 8, 9, 10, 11
+#: of half of its span; how thick the arc is to the ball's centre: 0 for a ball without a radius, to which both sides
+#: are one circle.
+SIGN, MX, MY, COSINE, THICK = 7, 8, 9, 10, 11
 WIDTH = 12
 #: Ends that differ by this share of their coordinates are one: those of arcs are rounded.
 SAME = 2.0**-50
@@ -142,7 +143,7 @@ class _Rows:
     def arc(self, x: float, y: float, radius: float, start: float, stop: float) -> None:
         half, middle = 0.5 * (stop - start), 0.5 * (start + stop)
         whole = half >= pi * (1.0 - 1e-15)
-        bounds = cos(middle), sin(middle), -2.0 if whole else cos(half), float(self.rho == 0.0)
+        bounds = cos(middle), sin(middle), -2.0 if whole else cos(half), 2.0 * self.rho
         size = radius + self.rho
         self.sides.append(self.row(x, y, size, 2.0 * half * size, start, 1.0, *bounds))
         if not whole:
