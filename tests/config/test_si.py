@@ -277,6 +277,22 @@ def test_units_of_a_file_are_checked(units, said):
         checked({"study": "diagram", "units": "mm", "vary": {"d": "0:1:3"}})
 
 
+@pytest.mark.parametrize(
+    ("study", "vary", "said"),
+    [
+        ("coexistence", {}, "of c, k, frequency, t0, load, force, sin1, gap, r, phase, such as load=0.1:0.2:100"),
+        ("orbit", {"frequency": "10:20:5"}, "frequency: an orbit varies nothing"),
+        ("windows", {"frequency": "default"}, "vary.frequency: it has no default, so its range is not known; give one, "
+         "such as frequency=0.1:0.5, or a value to search around among the numbers of the rig"),
+    ],
+)  # fmt: skip
+def test_refusals_name_what_a_rig_varies_as_the_rig_does(study, vary, said):
+    si = {name: value for name, value in SI.items() if name not in vary}
+    with pytest.raises(gz.InputError) as refused:
+        checked({"study": study, "si": si, "parameters": {"r": 0.7}, "vary": vary})
+    assert said in str(refused.value)
+
+
 def test_all_that_is_wrong_is_told_at_once():
     si = {"m": -1, "c": "2 kg", "k": math.nan, "gap": -1e-3, "side": "left", "force": ["2 N", "x"], "mas": 1.0}
     config = {"study": "diagram", "si": si, "parameters": {"r": 1.2, "alpha": 3.0}, "vary": {"frequency": "a:2:3"}}

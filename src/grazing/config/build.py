@@ -5,7 +5,6 @@ from __future__ import annotations
 import json
 from collections.abc import Mapping
 from dataclasses import replace
-from math import inf
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from grazing.catalogue import studies
@@ -13,7 +12,7 @@ from grazing.catalogue.study import Study
 from grazing.config.check import Recipe, checked
 from grazing.config.maps import has_beside, map_of, model_of, parameter_defaults
 from grazing.config.own import refuse_unnamed
-from grazing.config.parameters import described, parameter_names
+from grazing.config.parameters import described
 from grazing.config.schema import ALONE
 from grazing.config.values import DEFAULT, extremes, values_of
 from grazing.late import named
@@ -130,14 +129,8 @@ def model_near(recipe: Recipe, name: str = "", ends: tuple[float, ...] | None = 
     given, defaults = dict(recipe["parameters"]), parameter_defaults(recipe)
     absent = [one for one in named_by(name, defaults) if one not in given and defaults[one] is None]
     if absent:
-        known = described(name)
-        if ends is None and known.high < inf:  # all of its values are searched, whichever it has
-            ends = known.low, known.high
-        if ends is None:
-            said = f"{name} has no default, so its range is not known; give one, such as {name}=0.1:0.5"
-            around = f", or a value to search around, such as --{name} 0.3" if name in parameter_names() else ""
-            raise InputError(f"{said}{around}")
-        given |= dict.fromkeys(absent, 0.5 * sum(ends))
+        known = described(name)  # without bounds all of its values are searched, whichever it has
+        given |= dict.fromkeys(absent, 0.5 * sum(ends or (known.low, known.high)))
     return model_of({**recipe, "parameters": given})
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from datetime import date, time
 from functools import partial
+from math import inf
 from typing import Any
 
 from pydantic import ValidationError
@@ -14,7 +15,7 @@ from grazing.catalogue.study import COORDINATE, Study
 from grazing.config.given import all_numbers, parameters, shared
 from grazing.config.maps import LAW, UNFOLD, has_beside, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
-from grazing.config.parameters import STIFFNESS, defaults_of, described
+from grazing.config.parameters import STIFFNESS, defaults_of, described, parameter_names
 from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import settings_of
@@ -94,15 +95,16 @@ def checked(
     if isinstance(raw.get("settings"), dict) and "units" in raw["settings"]:
         raw.setdefault("units", raw["settings"].pop("units"))  # of what is shown, not of how it is computed
     before: list[Problem] = []
+    called: dict[str, str] = {}
     if raw.get("si") is not None:
         if said := _without_rig(raw):
             before = [Problem(("si",), said)]
             del raw["si"]
         else:
-            raw, before = from_table(raw)
+            raw, before, called = from_table(raw)
     problems, config = _by_schema(_located(raw, folder))
     if config is not None:
-        problems += list(_across(config, raw, problems))
+        problems += list(_across(config, raw, problems, called))
     if before or problems or config is None:
         raise refusal([*before, *problems], source, label)
     return config
@@ -195,8 +197,8 @@ def _without(raw: Recipe, problems: list[Problem]) -> Recipe:
 # ---- checks across the parts
 
 
-def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Problem]:
-    """Yield what is wrong between the parts, and fill in what was left out."""
+def _across(config: Recipe, raw: Recipe, before: list[Problem], called: Mapping[str, str]) -> Iterator[Problem]:
+    """Yield what is wrong between the parts, and fill in what was left out; a rig has its own names of parameters."""
     broken = {problem.path for problem in before}
     if broken & {("map",), ("law",), ("model",), ("walls",)}:  # which say what parameters there are
         return
@@ -210,7 +212,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     if unnamed(config):  # only the code knows the rest
         of = studies().get(config.get("study", ""))
         if config["vary"] and of is not None and not of.most:
-            yield Problem(("vary",), _how_many(config, of, []))
+            yield Problem(("vary",), _how_many(config, of, [], called))
         broken_ranges: list[Problem] = []
         config["vary"] = dict(_ranges(config, broken_ranges))
         yield from broken_ranges
@@ -231,7 +233,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
     broken_ranges = []
     ranges = dict(_ranges(config, broken_ranges))
     yield from broken_ranges
-    yield from _names(config, ranges, names, coordinates, ("vary",) in broken)
+    yield from _names(config, ranges, names, coordinates, ("vary",) in broken, called)
     yield from shared(config["parameters"], known)
     varied = {one for name in config["vary"] for one in (named_by(name, known) or [name])}
     yield from parameters(config, known, varied | {path[1] for path in broken if path[0] == "parameters" and path[1:]})
@@ -245,6 +247,7 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem]) -> Iterator[Prob
         )
     if study is not None and study.of == "model" and not config.get("table"):
         yield from _in_time(config, study)
+        yield from _without_range(config, ranges, known, called)
     if isinstance(config["settings"], Mapping):
         yield from _orbits(config, ranges, names, ("settings", "period") in broken)
     config["vary"] = ranges
@@ -355,7 +358,9 @@ def _ranges(config: Recipe, problems: list[Problem]) -> Iterator[tuple[str, Any]
             problems.append(Problem(("vary", name), str(error)))
 
 
-def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[str], broken: bool) -> Iterator[Problem]:
+def _names(
+    config: Recipe, ranges: Recipe, names: list[str], coordinates: list[str], broken: bool, called: Mapping[str, str]
+) -> Iterator[Problem]:
     """Yield what varies and cannot, how many should, and values that are out of range."""
     study = studies().get(config.get("study", ""))
     allowed = coordinates if study is not None and study.varies == COORDINATE else names
@@ -378,7 +383,22 @@ def _names(config: Recipe, ranges: Recipe, names: list[str], coordinates: list[s
                     yield Problem(("vary", name), str(error))
                     break
     if study is not None and not broken and not study.least <= len(config["vary"]) <= study.most:
-        yield Problem(("vary",), _how_many(config, study, allowed))
+        yield Problem(("vary",), _how_many(config, study, allowed, called))
+
+
+def _without_range(config: Recipe, ranges: Recipe, known: Recipe, called: Mapping[str, str]) -> Iterator[Problem]:
+    """Yield what is searched over its usual range and has none: no value, no default, and no greatest value."""
+    for name, written in ranges.items():
+        absent = [one for one in named_by(name, known) if one not in config["parameters"] and known[one] is None]
+        if written != DEFAULT or not absent or described(name).high < inf:
+            continue
+        own = called.get(name, name)
+        said = f"it has no default, so its range is not known; give one, such as {own}=0.1:0.5"
+        if own != name:
+            said += ", or a value to search around among the numbers of the rig"
+        elif name in parameter_names():
+            said += f", or a value to search around, such as --{name} 0.3"
+        yield Problem(("vary", own), said)
 
 
 def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
@@ -406,13 +426,15 @@ def _fits(config: Recipe, coordinates: list[str]) -> Iterator[Problem]:
             yield Problem(("settings", "fixed", name), partial(unknown_key, name, coordinates, "unknown coordinate"))
 
 
-def _how_many(config: Recipe, study: Study, allowed: list[str]) -> str:
+def _how_many(config: Recipe, study: Study, allowed: list[str], called: Mapping[str, str]) -> str:
     if not study.most:
         article = "an" if study.name[0] in "aeiou" else "a"
-        return f"{', '.join(config['vary'])}: {article} {study.name} varies nothing; give single values"
+        varied = ", ".join(called.get(name, name) for name in config["vary"])
+        return f"{varied}: {article} {study.name} varies nothing; give single values"
     wanted = f"{study.least}" if study.least == study.most else f"{study.least} to {study.most}"
     plural = "" if study.most == 1 else "s"
-    example = "d" if "d" in allowed else allowed[0]
+    names = [called.get(name, name) for name in allowed]
+    example = names[allowed.index("d") if "d" in allowed else 0]
     got = f"{len(config['vary'])} vary" if config["vary"] else "nothing varies"
     form = f"{example}=0.1:0.2" if study.form == "bounds" else f"{example}=0.1:0.2:100"
-    return f"{got}; {study.name} varies {wanted} {study.varies}{plural} of {', '.join(allowed)}, such as {form}"
+    return f"{got}; {study.name} varies {wanted} {study.varies}{plural} of {', '.join(names)}, such as {form}"

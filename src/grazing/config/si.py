@@ -63,7 +63,7 @@ SCHEMA = {
 }
 
 
-def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
+def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem], dict[str, str]]:
     """Return a configuration in which the table ``[si]`` has become parameters, a mass and a law.
 
     Parameters
@@ -79,6 +79,8 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     list of Problem
         All that is wrong: unknown names, numbers that are wrong or missing, parameters that the table gives too. In
         their place stands something sound, so that the rest can be checked.
+    dict
+        What the rig calls parameters of the model, for messages.
     """
     found = {name: value for name, value in raw.items() if name != "si"}
     gaps = gaps_of(raw.get("walls"))
@@ -137,13 +139,14 @@ def from_table(raw: Mapping[str, Any]) -> tuple[dict[str, Any], list[Problem]]:
     if gaps is None:
         found["stop"] = side
         found.setdefault("law", LAW)
-    problems += _renamed(found, _sides(made, side, gaps), made.mass)
+    own = _sides(made, side, gaps)
+    problems += _renamed(found, own, made.mass)
     problems += _begun(found, made.mass)
     if not problems:
         warn_of_gap(
             made, _least_gap(found, {own.name: own.factor for own in gaps.values()} if gaps else {"sigma": -1.0})
         )
-    return found, problems
+    return found, problems, {one.name: name for name, one in own.items()}
 
 
 def _mapping(table: Any) -> Mapping[str, Any]:
