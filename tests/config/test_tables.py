@@ -5,6 +5,7 @@ import pytest
 
 import grazing as gz
 from grazing.billiard.objects import DISC, FLIPPER
+from grazing.config import checked
 from grazing.config.tables import shipped
 
 GOOD = """
@@ -86,6 +87,23 @@ def test_wrong_files_are_refused_with_the_place(tmp_path, old, new, said):
 def test_what_is_no_table_is_refused(tmp_path, text, said):
     with pytest.raises(gz.InputError, match=said):
         read(tmp_path, text)
+
+
+def test_all_that_is_wrong_with_a_table_is_said_at_once(tmp_path):
+    wrong = (("rho = 0.1", "rho = -0.1\nsize = 3"), ("radius = 0.5", "radius = -1"), ("r = 1.0", "r = 2.0"))
+    text = GOOD + "[flips]\nperiod = 2.0\n"
+    for old, new in wrong:
+        text = text.replace(old, new)
+    said = ["table.toml has 'size'", "rho = -0.1", "flips has no hold", "objects.A: A.radius", "objects.dome: r = 2"]
+    with pytest.raises(gz.InputError) as refused:
+        read(tmp_path, text)
+    first, *lines = str(refused.value).splitlines()
+    assert first == "there are 5 errors:"
+    assert [part for part, line in zip(said, lines, strict=True) if part in line] == said
+    with pytest.raises(gz.InputError) as refused:
+        checked({"study": "escape", "table": str(tmp_path / "table.toml"), "settings": {"starts": 0}})
+    message = str(refused.value)
+    assert all(f"table: {part}" in message for part in said[1:]) and "starts" in message
 
 
 def test_a_name_of_no_table_is_told_from_a_file():

@@ -16,7 +16,7 @@ from grazing.config.given import all_numbers, parameters, shared
 from grazing.config.maps import LAW, UNFOLD, has_beside, names_of, parameter_defaults
 from grazing.config.own import KEYS, Named, is_own, located, named, own_object, unnamed
 from grazing.config.parameters import STIFFNESS, defaults_of, described, parameter_names
-from grazing.config.problems import Label, Problem, dotted, found_by, refusal, unknown_key
+from grazing.config.problems import Label, Problem, Refusal, dotted, found_by, refusal, unknown_key
 from grazing.config.schema import ALONE, MAPS, Config, config_of
 from grazing.config.settings import settings_of
 from grazing.config.si import from_table
@@ -224,7 +224,8 @@ def _across(config: Recipe, raw: Recipe, before: list[Problem], called: Mapping[
         known, (names, coordinates) = parameter_defaults(config), names_of(config)
     except GrazingError as error:
         key = next((key for key in ("table", "model") if config.get(key)), "map")
-        yield Problem((key,), str(error))
+        each = [one.line(dotted) for one in error.problems] if isinstance(error, Refusal) else [str(error)]
+        yield from (Problem((key,), line) for line in each)
         return
     for i, problem in enumerate(before):  # what is out of range, of a parameter that there is not
         if problem.path[0] == "parameters" and len(problem.path) > 1 and problem.path[1] not in known:

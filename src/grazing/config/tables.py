@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from inspect import signature
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from grazing.billiard.players import NOBODY, flips, presses
 from grazing.billiard.plunger import KNOWN, Plunger
 from grazing.billiard.strategy import Player
 from grazing.billiard.table import OWN, Table, table
+from grazing.config.problems import Problem, refusal
 from grazing.config.toml import read_toml
 from grazing.oscillator.reset import Reset, active, newton, triggered
 from grazing.outcome import InputError, abridged, listed, shown
@@ -93,7 +94,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     Raises
     ------
     InputError
-        For a file that is missing or no TOML, and for what is no table, with its place in the file.
+        For a file that is missing or no TOML, and for what is no table, with the places of all that is wrong.
 
     Examples
     --------
@@ -105,21 +106,47 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     path = HOME / f"{source}.toml" if known else source
     if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(source):
         raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
-    said = _keys(read_toml(path), ["objects"], [*OWN, *PLAYERS, "plunger"], str(source))
+    said, faults = read_toml(path), []
+
+    def tried(make: Callable[..., Any], *given: Any) -> Any:
+        try:
+            return make(*given)
+        except InputError as error:
+            faults.append(Problem((), str(error)))
+            return None
+
+    tried(_keys, said, ["objects"], [*OWN, *PLAYERS, "plunger"], str(source))
+    for name in OWN:
+        if name in said:
+            tried(OWN[name].check, said[name])
+    things = tried(_things, said["objects"]) if "objects" in said else []
+    player, launcher = tried(_player, said, str(source)), tried(_plunger, said)
+    objects = [tried(_object, name, given) for name, given in things or ()]
+    if faults:
+        raise refusal(faults, "")
+    return table(objects, **{key: said[key] for key in OWN if key in said}, player=player, plunger=launcher)
+
+
+def _things(given: Any) -> Iterable[tuple[str, Any]]:
+    if not isinstance(given, Mapping):
+        raise InputError(f"objects is {shown(given)}; give a table of objects by their names")
+    return given.items()
+
+
+def _player(said: Mapping[str, Any], source: str) -> Player:
     if all(name in said for name in PLAYERS):
         raise InputError(f"{source} has {listed(list(PLAYERS))}; give one of them")
-    if not isinstance(said["objects"], Mapping):
-        raise InputError(f"objects is {shown(said['objects'])}; give a table of objects by their names")
-    things = [_object(name, given) for name, given in said["objects"].items()]
-    player: Player = NOBODY
     if "flips" in said:
-        player = flips(**_keys(said["flips"], ["period", "hold"], ["phase"], "flips"))
-    elif "presses" in said:
-        if not isinstance(said["presses"], Mapping):
-            raise InputError(f"presses is {shown(said['presses'])}; give the times of each flipper by its name")
-        player = presses(**said["presses"])
-    launcher = None
-    if "plunger" in said:
-        numbers = [name.partition(".")[2] for name in KNOWN]
-        launcher = Plunger(**_keys(said["plunger"], numbers, [], "plunger"))
-    return table(things, **{key: said[key] for key in OWN if key in said}, player=player, plunger=launcher)
+        return flips(**_keys(said["flips"], ["period", "hold"], ["phase"], "flips"))
+    if "presses" not in said:
+        return NOBODY
+    if not isinstance(said["presses"], Mapping):
+        raise InputError(f"presses is {shown(said['presses'])}; give the times of each flipper by its name")
+    return presses(**said["presses"])
+
+
+def _plunger(said: Mapping[str, Any]) -> Plunger | None:
+    if "plunger" not in said:
+        return None
+    numbers = [name.partition(".")[2] for name in KNOWN]
+    return Plunger(**_keys(said["plunger"], numbers, [], "plunger"))
