@@ -6,15 +6,17 @@ import os
 from pathlib import Path
 from typing import Any
 
-from grazing.outcome import InputError
+from grazing.outcome import InputError, printable
 
 
 def loaded(file: str | Path) -> Any:
     """Return a stored result: a NetCDF file, or a store of a sweep."""
     if os.path.isdir(file):
+        from grazing.cli import progress
         from grazing.sweep import open_store
 
-        return open_store(file)
+        with progress.said(f"reading {printable(str(file), newlines=False)}"):  # a large one takes many seconds
+            return open_store(file)
     from grazing.io import load
 
     return load(file)
