@@ -293,6 +293,13 @@ def test_refusals_name_what_a_rig_varies_as_the_rig_does(study, vary, said):
     assert said in str(refused.value)
 
 
+@pytest.mark.parametrize("name", ["sigma", "gap"])
+def test_a_range_of_gaps_without_values_is_refused(name):
+    si = {key: value for key, value in SI.items() if key != name}
+    with pytest.raises(gz.InputError, match=rf"vary\.{name}"):
+        checked(RIG | {"si": si, "vary": {name: []}})
+
+
 def test_all_that_is_wrong_is_told_at_once():
     si = {"m": -1, "c": "2 kg", "k": math.nan, "gap": -1e-3, "side": "left", "force": ["2 N", "x"], "mas": 1.0}
     config = {"study": "diagram", "si": si, "parameters": {"r": 1.2, "alpha": 3.0}, "vary": {"frequency": "a:2:3"}}

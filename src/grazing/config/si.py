@@ -168,7 +168,7 @@ def _least_gap(found: Mapping[str, Any], stops: Mapping[str, float]) -> float:
             gaps += [side * float(end) for end in (ends if isinstance(ends, list) else [ends])]
         except (TypeError, ValueError):  # which is said elsewhere
             return 0.0
-    return max(0.0, min(gaps))
+    return max(0.0, min(gaps, default=0.0))  # a range without values is refused elsewhere
 
 
 def gaps_of(walls: Any) -> dict[str, Own] | None:
@@ -387,6 +387,8 @@ def _in_model(written: Any, name: str, own: Own, mass: float, bounded: bool) -> 
     if not (isinstance(written, str) and ":" in written):
         items = written.split(",") if isinstance(written, str) else written
         items = items if isinstance(items, (list, tuple)) else [items]
+        if not items:
+            raise InputError(f"{name} = {shown(written)}; give a list of numbers")
         found = [own.of(_one(item, name, mass)) for item in items]
         return found[::-1] if bounded and own.factor < 0.0 else found
     low, high, *rest = written.split(":")
