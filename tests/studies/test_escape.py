@@ -140,6 +140,9 @@ def test_where_nothing_or_everything_escapes_it_says_so():
     )
     with pytest.raises(gz.InputError, match="there may be no way out"):
         gz.escape_rate(closed, orbits=100, transient=1, steps=3)
+    beyond = gz.Map(lambda x, p: (1.1 * x[0],), box=[(0.0, 1.0)], escape=1.0)  # diverged, which is something else
+    with pytest.raises(gz.InputError, match=r"none .* ended otherwise; .* returning \(state, letter, 1024\)"):
+        gz.escape_rate(beyond, orbits=100, transient=1, steps=3)
     with pytest.raises(gz.InputError, match="all 200 orbits have ended after 1 step"):
         gz.escape_rate(leaky(slope=1e9, kept=1e-9), orbits=200)
     with pytest.raises(gz.InputError, match="nothing escapes from an oscillator"):  # said after ten minutes of impacts

@@ -92,7 +92,9 @@ def escape_rate(
     Parameters
     ----------
     P : Map
-        Of which orbits escape: outcome *escaped*, as of :func:`grazing.collision_map`. Starts are drawn from its box.
+        Of which orbits escape: outcome *escaped*, as of :func:`grazing.collision_map`; a step of your own says so by
+        returning (state, letter, 1024). What ends otherwise, as beyond ``escape``, is *lost*. Starts are drawn from its
+        box.
     orbits : int
         Orbits of a population, >= 100.
     transient, steps : int
@@ -194,7 +196,13 @@ def escape_rate(
             states[moved, len(stays) :] = aside(states[moved, len(stays) :], by, box[moved])
             age = np.concatenate([np.minimum(age[stays] + 1, AGES), np.zeros(len(of), np.int64)])
     if not counts[1].any():
-        raise InputError(f"none of {orbits} orbits has escaped in {transient + steps} steps: there may be no way out")
+        none = f"none of {orbits} orbits has escaped in {transient + steps} steps"
+        if lost:
+            raise InputError(
+                f"{none}, and {lost} ended otherwise; a step of your own says that an orbit escapes by returning "
+                f"(state, letter, {ESCAPED})"
+            )
+        raise InputError(f"{none}: there may be no way out")
     rates, drift = rates_of(counts[0], counts[1], warm)
     return EscapeRate(rates, orbits, steps, lost, drift)
 
