@@ -38,7 +38,7 @@ MOST = 400_000
 ENDS = {
     "length": "the length asked for",
     "settled": "it comes to an attractor, or backwards to a repeller: its images get ever shorter",
-    "lost": "no point of it has an image, or a preimage",
+    "lost": "no point of it has an image, or a preimage, less than a million half widths of the box away",
     "away": "it has left the box for good",
     "steps": "the number of steps asked for",
     "points": "too many points: ask for less length, a larger spacing or a smaller box",
