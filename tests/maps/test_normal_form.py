@@ -11,7 +11,8 @@ from scipy.linalg import expm
 
 import grazing as gz
 from grazing import theory
-from grazing.maps.normal_form import constants, steady_minimum
+from grazing.maps.normal_form import constants, lowest_points, steady_minimum
+from grazing.maps.reduction import steady_low
 from grazing.oscillator.constants import steady_response
 from tests.examples import examples
 from tests.models import MODELS, TWO
@@ -239,6 +240,32 @@ def test_repr_is_short():
 
 def rooted(v, p):
     return 0.5 * p.c * math.sqrt(-v)
+
+
+def test_two_contacts_in_a_period_are_refused():
+    """Each has a square root of its own, and from one to the other it is not a whole period."""
+    twice = gz.Forcing(omega=1.1, cos=(0.0, 1.0))  # that of omega = 2.2
+    m = gz.Oscillator(0.3, 1.0, twice, gz.newton(0.8))
+    with pytest.raises(
+        gz.OutsideForm, match=r"touches the wall 2 times in a period, at t = 2\.778\d+, 5\.634\d+: .* omega"
+    ):
+        gz.normal_form(m, "sigma")
+    assert gz.normal_form(m.replace(cos1=1e-6), "sigma").b != 0.0  # one of them is higher
+    once = gz.Oscillator(0.3, 1.0, gz.Forcing(omega=2.2), gz.newton(0.8))
+    assert gz.normal_form(once, "sigma").det == pytest.approx(math.exp(-0.3 * once.period))
+
+
+@given(st.lists(st.integers(-99, 99).map(lambda n: n / 99), min_size=2, max_size=6), st.floats(-3.0, 3.0))
+@settings(max_examples=50, deadline=None)
+def test_the_lowest_point_is_among_the_lowest(waves, t0):
+    half = len(waves) // 2
+    force = gz.Forcing(omega=2.2, t0=t0, cos=(1.0, *waves[:half]), sin=waves[half:])
+    c = constants(gz.Oscillator(0.3, 1.0, force, gz.newton(0.8)))
+    found, (time, height) = lowest_points(c), steady_low(c)
+    apart = np.abs((found - time + 0.5 * c.T) % c.T - 0.5 * c.T)
+    assert apart.min() < 1e-6 * c.T
+    for t in found:
+        assert steady_response(float(t), c)[0] == pytest.approx(height, abs=1e-8)
 
 
 def soft(v, p):

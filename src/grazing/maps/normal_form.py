@@ -24,6 +24,10 @@ from grazing.parameter import checked_name, in_order, parameters, real
 
 #: Without damping, sin(k T/2) that is 0 to rounding: k is a multiple of omega.
 RESONANT = 1e-12
+#: Low points of the steady response that differ by less than this share of its swing are equally low.
+LEVEL = 1e-9
+#: Samples in a period of the highest harmonic, between which a low point is looked for; steps of Newton's method.
+SAMPLES, STEPS = 256, 6
 
 
 def constants(model: Oscillator) -> Constants:
@@ -51,6 +55,29 @@ def steady_minimum(model: Oscillator) -> tuple[float, float]:
     if c.k2 == 0.0 and c.F0 != 0.0:
         raise OutsideForm("k = 0 with a constant force: the ball drifts for ever; the graze needs k > 0")
     return steady_low(c)
+
+
+def lowest_points(c: Constants) -> NDArray[np.float64]:
+    """Return the times in [0, T) of all low points of the steady response that are as low as the lowest."""
+    order = np.arange(1.0, len(c.hc) + 1.0)[:, None]
+    cos, sin = np.array(c.hc)[:, None], np.array(c.hs)[:, None]
+
+    def moved(phase: NDArray[np.float64]) -> tuple[NDArray[np.float64], ...]:
+        """Return the sum of the harmonics, and its first and second derivative in the phase."""
+        C, S = np.cos(order * phase), np.sin(order * phase)
+        y = cos * C + sin * S
+        return y.sum(axis=0), (order * (sin * C - cos * S)).sum(axis=0), (-order * order * y).sum(axis=0)
+
+    count = SAMPLES * len(order)
+    phase = 2.0 * np.pi * np.arange(count) / count
+    height = moved(phase)[0]
+    low = phase[(height < np.roll(height, 1)) & (height <= np.roll(height, -1))]
+    for _ in range(STEPS):
+        _height, slope, bend = moved(low)
+        low = low - np.divide(slope, bend, out=np.zeros(len(low)), where=bend > 0.0)
+    depth = moved(low)[0]
+    level = depth <= depth.min(initial=0.0) + LEVEL * np.ptp(height)
+    return np.sort((low[level] - c.theta) % (2.0 * np.pi)) / c.omega
 
 
 def _numbers(values: ArrayLike, name: str, last: int = 0) -> NDArray[np.float64]:
@@ -309,7 +336,8 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     Raises
     ------
     OutsideForm
-        Without a steady response, without a graze, or with zero acceleration at the graze.
+        Without a steady response, without a graze, with zero acceleration at the graze, or where the steady response
+        touches the wall at several instants of a period.
 
     References
     ----------
@@ -334,6 +362,13 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
     A, b, r, V = found.acceleration, found.b, found.r, found.V
     if A <= 1e-12 * c.force:
         raise OutsideForm(f"the acceleration at the graze is {A:g}: the contact is degenerate, outside the normal form")
+    touches = lowest_points(c)
+    if len(touches) > 1:
+        raise OutsideForm(
+            f"the steady response touches the wall {len(touches)} times in a period, at t = "
+            f"{', '.join(f'{t:.6g}' for t in touches)}: the normal form has one contact in it; where the force repeats "
+            "itself so often, give it the omega that it has"
+        )
     at_speed = at.reset(-slow)
     if not abs(at_speed - V - slow * r) <= 0.1 * slow + 1e-4 * V:
         raise OutsideForm(
