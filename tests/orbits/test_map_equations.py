@@ -7,8 +7,8 @@ import pytest
 
 import grazing as gz
 from grazing.maps.impact_of_system import TimedReturned
-from grazing.orbits import path
-from grazing.orbits.map_equations import alike
+from grazing.orbits import map_equations, path
+from grazing.orbits.map_equations import alike, product
 from tests.systems.balls import bouncing
 
 TABLE = {"A": 0.1, "r": 0.7, "height": 0.8}
@@ -87,3 +87,8 @@ def test_where_rounding_hides_how_an_impact_loses_its_speed_its_graze_has_not_co
 def test_a_point_next_to_zero_is_no_warning():
     """Its part of the box is beyond doubles."""
     assert not alike(np.array([1e10]), np.array([[5e-324], [1.0]]))
+
+
+def test_derivatives_beyond_all_doubles_are_not_known_and_warn_of_nothing():
+    turn = product(np.array(2 * [[[1e200, 1.0], [0.0, -1e200]]]))
+    assert np.isinf(turn[0, 0]) and np.isnan(map_equations.tests_of(turn)).all()

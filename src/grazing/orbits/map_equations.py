@@ -37,10 +37,11 @@ class Stepped(NamedTuple):
 
 
 def product(steps: Floats) -> Floats:
-    """Return the derivative of all steps one after the other."""
+    """Return the derivative of all steps one after the other, not finite where it is beyond all doubles."""
     J = np.eye(steps.shape[-1])
-    for step in steps:
-        J = step @ J
+    with np.errstate(over="ignore", invalid="ignore"):
+        for step in steps:
+            J = step @ J
     return J
 
 

@@ -328,11 +328,11 @@ class PieceEquations(PointEquations):
         if self.P.dimension == 1:
             slope_of = float(np.prod(steps[:, 0, 0]))
             return [poles + slope_of, poles - slope_of]
-        with np.errstate(divide="ignore", invalid="ignore"):
+        with np.errstate(divide="ignore", over="ignore", invalid="ignore"):
             J = product(steps / twice[:, None, None])
-        if not np.isfinite(J).all():  # a root is 0: the limit from either side has no pole, see there
-            twice = np.where(twice == 0.0, EPS * self.size.max(), twice)
-            poles, J = float(np.prod(twice)), product(steps / twice[:, None, None])
+            if not np.isfinite(J).all():  # a root is 0: the limit from either side has no pole, see there
+                twice = np.where(twice == 0.0, EPS * self.size.max(), twice)
+                poles, J = float(np.prod(twice)), product(steps / twice[:, None, None])
         return [poles * one for one in tests_of(J)]
 
     def broken(self, x: Floats, p: Floats) -> str:
