@@ -98,7 +98,7 @@ def _walls(*cos: float) -> None:
 
 
 def tables() -> None:
-    """Compile for pinball tables: launches, and maps with flippers and without, and with one or two gates."""
+    """Compile for pinball tables: launches, maps with flippers and without, with one or two gates, and of strobes."""
     import numpy as np
 
     import grazing as gz
@@ -136,6 +136,8 @@ def tables() -> None:
     for player in gz.flips(1.0, 0.2), one, two:
         table = gz.table([*things, floor, right, top, left, L, R], rho=0.1, tilt=0.3, player=player)
         _each(gz.collision_map(table), "g", np.array([1.0, 1.1]), "rho")
+        if table.period < np.inf:
+            _each(gz.stroboscopic_map(table), "g", np.array([1.0, 1.1]), "rho")
     _each(gz.launch_map(table, (3.2, 8.0), hits=10), "g", np.array([1.0, 1.1]), "rho")
 
 

@@ -112,7 +112,8 @@ def test_studies_of_maps_take_a_table(capsys, folder):
         (["launches", "--table", "classic", "bumper9.V=3"], "unknown parameter; did you mean"),
         (["launches", "--table", "classic", "place=1:2:3"], "unknown coordinate; allowed are angle, speed"),
         (["launches", "--table", "classic", "--map", "collision"], "--map = 'collision'; allowed are launch"),
-        (["basins", "--table", "classic", "--map", "impact"], "allowed are collision, launch"),
+        (["basins", "--table", "classic", "--map", "impact"], "allowed are collision, launch, stroboscopic"),
+        (["basins", "--table", "classic", "--map", "stroboscopic"], "the table has no period"),
         (["basins", "--map", "launch"], "map = 'launch'; allowed are stroboscopic"),
         (["windows", "--table", "classic", "rho=0.1:0.2", "--N", "3"], "windows is offered for oscillators only"),
         (["response", "--table", "classic", "rho=0.1:0.2:3"], "a response is that of an oscillator"),
@@ -140,6 +141,35 @@ def test_a_trajectory_begins_in_the_plunger_unless_it_is_told_where(tmp_path):
     (tmp_path / "bare.toml").write_text('[objects]\nout = { kind = "drain", x1 = 0.0, y1 = 0.0, x2 = 6.0, y2 = 0.0 }\n')
     with pytest.raises(gz.InputError, match="state"):
         checked(shot | {"table": str(tmp_path / "bare.toml")})
+
+
+def test_the_map_from_strobe_to_strobe_of_a_file_is_that_of_python(tmp_path, capsys):
+    (tmp_path / "thrown.toml").write_text(
+        "rho = 0.1\ntilt = 0.5\nflips = { period = 2.3, hold = 0.5 }\n[objects]\n"
+        'L = { kind = "flipper", x = 1.0, y = 1.0, length = 2.0, hub = 0.2, tip = 0.2, rest = -0.2, raised = 0.5, '
+        'up = 3.0, down = 2.0, law = "newton", r = 0.5 }\n'
+        'out = { kind = "drain", x1 = -9.0, y1 = 0.0, x2 = 9.0, y2 = 0.0 }\n'
+    )
+    file, still = str(tmp_path / "thrown.toml"), ["vx=0", "vy=0"]
+    given = [
+        "--table",
+        file,
+        "--map",
+        "stroboscopic",
+        "x=1.5:2.5:3",
+        "y=2:3:2",
+        "phase=0.3",
+        *still,
+        "--transient",
+        "30",
+    ]
+    said(capsys, "basins", *given, "--keep", "4", "-o", str(tmp_path / "b.nc"))
+    P = gz.stroboscopic_map(gz.read_table(file), 0.3)
+    grid = {"x": np.linspace(1.5, 2.5, 3), "y": np.linspace(2.0, 3.0, 2)}
+    own = gz.basins(P, grid, fixed={"vx": 0.0, "vy": 0.0}, transient=30, keep=4)
+    found = gz.load(tmp_path / "b.nc")
+    assert (found.word.values == own.word.values).all() and (found.word.values == "(out)").any()
+    assert recipe_of(found.attrs)["map"] == "stroboscopic"
 
 
 def test_escape_rates_are_those_of_python(capsys):

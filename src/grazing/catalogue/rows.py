@@ -85,6 +85,10 @@ def symbol(code: int, variable: Any) -> str:
         from grazing.maps.hits import Hits
 
         return Hits(str(variable.attrs["surfaces"])).symbol(code)
+    if "objects" in variable.attrs:
+        from grazing.maps.hits import Bounces
+
+        return Bounces(tuple(str(variable.attrs["objects"]).split())).symbol(code)
     flags = dict(zip(variable.attrs["flag_values"].tolist(), variable.attrs["flag_meanings"].split(), strict=True))
     said = str(flags.get(code, code))
     return {"completed_chatter": "C", "stuck_throughout": "S"}.get(said, said if len(said) == 1 else f"({said})")

@@ -109,9 +109,11 @@ def _without_zeros(value: Any) -> Any:
 
 def of_table(config: Mapping[str, Any]) -> Any:
     """Return the table that a configuration names, or the map of it."""
-    table = read_table(config["table"])
-    if config["map"] not in TABLE_MAPS:
+    table, known = read_table(config["table"]), studies().get(config.get("study", ""))
+    if config["map"] not in TABLE_MAPS or (known is not None and known.of == "model"):
         return table
+    if config["map"] == "stroboscopic":
+        return stroboscopic_map(table)
     return collision_map(table) if config["map"] == "collision" else launch_map(table)
 
 

@@ -31,6 +31,7 @@ MAPS = {
 TABLE_MAPS = {
     "collision": "of a table, from impact to impact",
     "launch": "of a table, a launch to its way out",
+    "stroboscopic": "of a table with [flips], the ball once per period of these",
 }
 
 

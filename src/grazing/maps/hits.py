@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -38,6 +38,15 @@ def most_of(walls: int) -> int:
     while (walls + 1) ** (count + 1) < 2**31:
         count += 1
     return count
+
+
+def digits_of(code: int, base: int) -> list[int] | None:
+    """Return the digits of the code of a letter, from 1 on; None for a code that has others."""
+    found, left = list[int](), code
+    while left > 0:
+        left, digit = divmod(left, base)
+        found.insert(0, digit)
+    return None if code < 0 or 0 in found else found
 
 
 class Alphabet:
@@ -203,14 +212,10 @@ class Hits(Alphabet):
             return "(more)"
         if MANY < letter < 0 and self.rests:
             return f"({'CS'[(-letter - 1) % 2]}{self.names[(-letter - 1) // 2]})"
-        found, left = "", letter
-        while left > 0:
-            left, digit = divmod(left, self.base)
-            if digit == 0:
-                break
-            found = self.names[digit - 1] + found
-        if left or letter < 0 or len(found) > self.most:
+        digits = digits_of(letter, self.base)
+        if digits is None or len(digits) > self.most:
             raise InputError(f"letter {letter} has no symbol between the walls {' and '.join(self.names)}")
+        found = "".join(self.names[digit - 1] for digit in digits)
         return found if len(found) == 1 else (f"({found})" if found else "0")
 
     def longer(self, letter: int, wall: int) -> int:
@@ -301,3 +306,73 @@ class Struck(Hits):
                 f"{listed(self.names)}, with the strobes passed in front: 1{self.names[-1]}"
             )
         return int(found[1] or 0) + LATER * self.names.index(found[2]), found.end()
+
+
+@dataclass(frozen=True)
+class Bounces(Alphabet):
+    """The alphabet of a stroboscopic map of a table: the objects that are hit in the step, in order, or the way out.
+
+    A letter is a name of one character as it is; longer ones, and several, are in parentheses: ``(bumper-A)``. ``0``
+    is no impact, ``(more)`` more than a letter can tell apart.
+
+    Parameters
+    ----------
+    names : tuple of str
+        Of the objects, and *away*.
+
+    Examples
+    --------
+    >>> from grazing.maps.hits import Bounces
+    >>> bounces = Bounces(("A", "bumper", "away"))
+    >>> bounces.symbol(0), bounces.symbol(1), bounces.symbol(1 * 4 + 2), bounces.read("A(A-bumper)0", 1)
+    ('0', 'A', '(A-bumper)', (6, 11))
+    """
+
+    names: tuple[str, ...]
+
+    def __str__(self) -> str:
+        return ", ".join(self.names)
+
+    @property
+    def most(self) -> int:
+        """Impacts that a letter can tell apart."""
+        return most_of(len(self.names))
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """What a result says of its letters."""
+        said = f"letter of the step: the objects that are hit, in order, as digits to base {len(self.names) + 1}"
+        many = {"flag_values": np.array([MANY], np.int32), "flag_meanings": f"more_than_{self.most}_impacts"}
+        return {"long_name": said, **many, "objects": " ".join(self.names)}
+
+    def symbol(self, letter: int) -> str:
+        """Return what stands for a letter in a word."""
+        if letter == MANY:
+            return "(more)"
+        digits = digits_of(letter, len(self.names) + 1)
+        if digits is None or len(digits) > self.most:
+            raise InputError(f"letter {letter} has no symbol between the objects {self}")
+        found = "-".join(self.names[digit - 1] for digit in digits) or "0"
+        return found if len(found) == 1 else f"({found})"
+
+    def read(self, text: str, position: int) -> tuple[int, int]:
+        """Return the letter that stands at a position of a text, and where the next one begins."""
+        end = text.find(")", position) if text[position] == "(" else position
+        inside = text[position : end + 1].strip("()") if end >= 0 else ""
+        hit = [] if inside == "0" else inside.split("-")
+        if inside == "more" and inside not in self.names:
+            return MANY, end + 1
+        if len(hit) > self.most or not all(name in self.names for name in hit):
+            raise InputError(
+                f"word {shown(text)} has {shown(text[position:])} at position {position}; allowed are "
+                f"{', '.join(map(self.symbol, range(len(self.names) + 1)))}, up to {self.most} impacts of one period, "
+                f"such as ({self.names[0]}-{self.names[-1]}), and (more)"
+            )
+        return self.letter([self.names.index(name) for name in hit]), end + 1
+
+    def letter(self, hit: Sequence[int]) -> int:
+        """Return the letter of a step in which objects are hit, by their numbers."""
+        letter = 0
+        for number in hit:
+            letter = (len(self.names) + 1) * letter + 1 + number
+        return letter if len(hit) <= self.most else MANY

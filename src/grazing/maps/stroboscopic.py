@@ -9,12 +9,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from grazing.billiard.table import Table
 from grazing.maps.blocks import ensemble_tasks
 from grazing.maps.columns import Columns
 from grazing.maps.derivative import deriving, plainly, stepping
 from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.maps.of_oscillator import OfOscillator, above_wall, apart
 from grazing.maps.of_system import map_of_system
+from grazing.maps.of_table import map_of_table
 from grazing.maps.period import period_of, periods_passed
 from grazing.maps.settle import Settled
 from grazing.maps.starting import strobe_box
@@ -112,13 +114,14 @@ class Strobed(OfOscillator):
         return said[0] if said else f"the reset law {law.name} returned what it must not{defined(law.law)}"
 
 
-def stroboscopic_map(model: Rig | System, phase: float = 0.0) -> Map:
+def stroboscopic_map(model: Rig | System | Table, phase: float = 0.0) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
     Parameters
     ----------
-    model : Oscillator or System
-        Any model, such as :func:`grazing.pinball`; or a system of your own that has a period.
+    model : Oscillator, System or Table
+        Any model, such as :func:`grazing.pinball`; a system of your own that has a period; or a table whose flippers
+        are worked periodically, by :func:`grazing.flips`.
     phase : float
         Time of the section, from t = 0; any finite number, taken modulo the period.
 
@@ -127,7 +130,14 @@ def stroboscopic_map(model: Rig | System, phase: float = 0.0) -> Map:
     Map
         State (u, v) at times phase + nT, after an impact there if there is one. Letters count the impacts in
         (nT, (n+1)T]; C is completed chatter, S a ball at rest throughout. Of several walls or surfaces they name
-        those that are hit, in order. The state of a system of your own are its coordinates.
+        those that are hit, in order. The state of a system of your own are its coordinates. That of a table is the
+        ball, (x, y, vx, vy), the letters are the objects that it hits, ``(left-bumper)``; a ball that has left stays
+        at a place far beside the table, one for each way out, with outcome *escaped*.
+
+    Raises
+    ------
+    InputError
+        For anything else, a table without a period, or a phase so late that a double has none.
 
     Examples
     --------
@@ -139,6 +149,8 @@ def stroboscopic_map(model: Rig | System, phase: float = 0.0) -> Map:
     """
     if isinstance(model, System):
         return map_of_system(model, phase)
+    if isinstance(model, Table):
+        return map_of_table(model, phase)
     if isinstance(model, Walled):
         return walled_map(model, checked_phase(model, phase))
     model = checked_model(model)
