@@ -60,6 +60,7 @@ _PUBLIC = {
     "collision_map": "maps.collisions",
     "launch_map": "maps.launches",
     "launches": "maps.launches",
+    "grazes": "maps.grazes",
     "zdm": "maps.discontinuity",
     "zdm_points": "maps.discontinuity",
     "NormalForm": "maps.normal_form",
@@ -155,6 +156,7 @@ if TYPE_CHECKING:
     from grazing.maps.discontinuity import zdm as zdm
     from grazing.maps.discontinuity import zdm_points as zdm_points
     from grazing.maps.gap import gap_map as gap_map
+    from grazing.maps.grazes import grazes as grazes
     from grazing.maps.impact import impact_map as impact_map
     from grazing.maps.launches import launch_map as launch_map
     from grazing.maps.launches import launches as launches

@@ -1,0 +1,114 @@
+"""Changes along the sides of cells, linked to curves: cell by cell, and finer where it is not clear how."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from math import hypot
+from typing import NamedTuple
+
+from grazing.maps.borders import ANGLE, SPEED, Borders, Box, Change, Side
+
+#: How often a cell is halved at most.
+DEPTH = 4
+Place = tuple[int, int, int]
+#: A change on the outline of a cell, whether the object is hit behind it, counterclockwise, and on which side it is.
+Met = tuple[Change, bool, int]
+
+
+class Curve(NamedTuple):
+    """Changes in a row, with the launches that hit on the left; the first one once more at the end if it is closed."""
+
+    changes: list[Change]
+    closed: bool
+
+
+def curves_of(borders: Borders, cells: tuple[int, int], asked: Callable[[Change], bool]) -> list[Curve]:
+    """Find the changes that are asked for on a grid of cells, and link them to curves."""
+    size = 2**DEPTH
+    leaves = [(i * size, j * size, size) for i in range(cells[0]) for j in range(cells[1])]
+    borders.search(side for cell in leaves for side in sides_of(cell))
+    probed: set[Place] = set()
+    while unclear := [
+        cell for cell in leaves if cell not in probed and not _clear(_met(borders, cell, asked))
+    ]:  # what is new on a side may make its other cell unclear
+        coarse = [cell for cell in unclear if cell[2] > 1]
+        borders.split(side for cell in coarse for side in sides_of(cell))
+        finer = [part for cell in coarse for part in _quarters(cell)]
+        borders.search(side for part in finer for side in sides_of(part))
+        leaves = [*(set(leaves) - set(coarse)), *finer]
+        fine = [cell for cell in unclear if cell[2] == 1]
+        borders.probe(side for cell in fine for side in sides_of(cell))
+        probed |= set(fine)
+    links = [link for cell in sorted(leaves) for link in _links(_met(borders, cell, asked), borders.box)]
+    following = dict(links)
+    back = {one for one, other in links if following.get(other) is one}  # a strip too thin to be seen beside this side
+    following = {one: other for one, other in links if one not in back}
+    return list(_chained([one for one in borders.all() if asked(one)], following))
+
+
+def sides_of(cell: Place) -> tuple[Side, Side, Side, Side]:
+    """Return the sides of a cell: below, right, above, left."""
+    i, j, size = cell
+    return (
+        (ANGLE, j, i, i + size), (SPEED, i + size, j, j + size), (ANGLE, j + size, i, i + size), (SPEED, i, j, j + size)
+    )  # fmt: skip
+
+
+def _quarters(cell: Place) -> list[Place]:
+    i, j, size = cell
+    half = size // 2
+    return [(i + a, j + b, half) for a in (0, half) for b in (0, half)]
+
+
+def _met(borders: Borders, cell: Place, asked: Callable[[Change], bool]) -> dict[object, list[Met]]:
+    """Return the changes on the outline of a cell, counterclockwise, by what they have in common."""
+    found: dict[object, list[Met]] = {}
+    for number, side in enumerate(sides_of(cell)):
+        changes = borders.changes(side)
+        for one in changes if number < 2 else reversed(changes):
+            if asked(one):
+                found.setdefault(one.label, []).append((one, one.hit_above == (number < 2), number))
+    return found
+
+
+def _clear(met: dict[object, list[Met]]) -> bool:
+    """Say whether there is one way only to link what is met: curves come in on a side and go out on another."""
+    for one in met.values():
+        sides = [side for _change, _behind, side in one]
+        turns = all(one[k - 1][1] != one[k][1] for k in range(len(one)))
+        if len(set(sides)) != 2 or sides.count(sides[0]) * 2 != len(sides) or not turns:
+            return False
+    return True
+
+
+def _links(met: dict[object, list[Met]], box: Box) -> Iterator[tuple[Change, Change]]:
+    """Give pairs that are linked, hits on the left: neighbours on the outline, the nearest ones first.
+
+    Two on one side belong together only if nothing else is left.
+    """
+    for left in met.values():
+        while pairs := [(k - 1, k) for k in range(len(left)) if left[k - 1][1] != left[k][1]]:
+            pair = min(pairs, key=lambda pair: _apart(left[pair[0]], left[pair[1]], box))
+            (one, begins, _side), (other, *_) = (left[k] for k in pair)
+            yield (other, one) if begins else (one, other)
+            left = [each for each in left if each[0] not in (one, other)]
+
+
+def _apart(one: Met, other: Met, box: Box) -> tuple[bool, float]:
+    """Return whether two changes are on one side, and their distance in sides of the box."""
+    places = zip(one[0].place, other[0].place, box, strict=True)
+    return one[2] == other[2], hypot(*((a - b) / (high - low) for a, b, (low, high) in places))
+
+
+def _chained(changes: list[Change], following: dict[Change, Change]) -> Iterator[Curve]:
+    """Give the curves that links make, open ones first, and changes that nothing is linked to."""
+    reached, left = set(following.values()), dict.fromkeys(changes)
+    for start in [*(one for one in changes if one not in reached), *changes]:
+        chain, at = [], start
+        while at in left:
+            chain.append(at)
+            del left[at]
+            at = following.get(at, at)
+        if chain:
+            closed = len(chain) > 1 and at is chain[0]
+            yield Curve(chain + chain[:1] if closed else chain, closed)

@@ -1,0 +1,193 @@
+"""Grazes of launches, against tangents in closed form, trajectories and a finer grid."""
+
+from math import asin, atan2, hypot, pi
+
+import numpy as np
+import pytest
+
+import grazing as gz
+from grazing.maps.borders import ANGLE, SEAM, SPEED, Borders
+from grazing.maps.itineraries import Itineraries
+
+LAW = gz.active(r=0.8, V=0.3)
+BOX = {"angle": (0.1, 1.5), "speed": (1.0, 2.0)}
+
+
+def curves(found):
+    """Return object, word, and the points of each curve."""
+    rows = found["curve"].values
+    points = np.column_stack([found.angle.values, found.speed.values])
+    return [
+        (str(found.object[k].item()), str(found.word[k].item()), points[(rows == k) & np.isfinite(points[:, 0])])
+        for k in range(found.sizes["curve"])
+    ]
+
+
+def test_without_gravity_a_disc_is_grazed_at_its_tangents_at_any_speed():
+    x, y, size = 3.0, 2.0, 0.6
+    table = gz.table([gz.disc("A", (x, y), size - 0.1, LAW)], rho=0.1)
+    found = gz.grazes(table, (0, 0), **BOX, order=0)
+    middle, half = atan2(y, x), asin(size / hypot(x, y))
+    means = sorted((points[:, 0].mean(), *np.ptp(points, axis=0)) for _object, _word, points in curves(found))
+    np.testing.assert_allclose([one[0] for one in means], [middle - half, middle + half], rtol=1e-12)
+    assert [one[2] for one in means] == [1.0, 1.0] and max(one[1] for one in means) < 1e-12
+    assert found.kick.values.tolist() == [0.3, 0.3] and found.order.values.tolist() == [0, 0]
+    assert 0.0 < found.angle_width.max() < 1e-12 and not found.speed_width.max()
+
+
+def test_a_preimage_through_a_wall_is_the_tangent_of_the_mirror_image():
+    wall = gz.segment("w", (4.0, -9.0), (4.0, 9.0), gz.newton(1.0))
+    table = gz.table([gz.disc("A", (1.0, 2.0), 0.4, LAW), wall], rho=0.1)
+    found = gz.grazes(table, (0, 0), **BOX)
+    middle, half = atan2(2.0, 2 * 3.9 - 1.0), asin(0.5 / hypot(2 * 3.9 - 1.0, 2.0))
+    seen = sorted(points[:, 0].mean() for one, word, points in curves(found) if (one, word) == ("A", "w"))
+    np.testing.assert_allclose(seen, [middle - half, middle + half], rtol=1e-12)
+
+
+def test_with_gravity_each_point_is_a_parabola_that_touches_the_circle():
+    """The gap along the flight, a quartic, has a double root: its discriminant is 0."""
+    table = gz.table([gz.disc("A", (2.0, 1.0), 0.5, LAW)], rho=0.1, tilt=pi / 2)
+    found = gz.grazes(table, (0.0, 0.0), (0.2, 1.5), (1.5, 4.0), order=0)
+    assert sum(len(points) for *_names, points in curves(found)) > 60
+    for _object, _word, points in curves(found):
+        for angle, speed in points:
+            way = np.poly1d([speed * np.cos(angle), -2.0]), np.poly1d([-0.5, speed * np.sin(angle), -1.0])
+            gap = way[0] ** 2 + way[1] ** 2 - 0.6**2
+            turns = [t.real for t in gap.deriv().roots if abs(t.imag) < 1e-9 and t.real > 0]
+            assert min(abs(gap(t)) for t in turns) < 1e-11
+
+
+def test_a_disc_that_is_grazed_and_then_hit_by_the_same_flight_is_found():
+    """Steeply past its left side, and down on its top: the words of both sides are the same."""
+    table = gz.table([gz.disc("A", (0.5, 1.5), 0.4, LAW)], rho=0.1, tilt=pi / 2)
+    found = gz.grazes(table, (-0.1, 0.0), (1.4, 1.6), (1.8, 2.6), order=0)
+    twice = 0
+    for _object, _word, points in curves(found):
+        for angle, speed in points:
+            hits = []
+            for a in (angle - 1e-7, angle + 1e-7):
+                flown = gz.trajectory(table, (-0.1, 0, speed * np.cos(a), speed * np.sin(a)), until=9.0, samples=2)
+                hits.append(flown.v_minus.values[:1])
+            twice += all(map(len, hits))
+            assert min(abs(one[0]) for one in hits if len(one)) < 1e-2
+    assert twice > 5
+
+
+@pytest.mark.parametrize("name", ["one_bumper", "classic"])
+def test_the_speed_falls_as_a_square_root_beside_each_point_and_the_ball_passes_on_the_other_side(name):
+    table = gz.read_table(name)
+    box = {"angle": (-1.0, 1.0), "speed": (1.0, 4.0)}
+    box = {"angle": (1.2, 1.9), "speed": (12.0, 22.0)} if name == "classic" else box
+    x, y = (table.plunger.x, table.plunger.y) if table.plunger else (0.3, 4.0)
+    found = gz.grazes(table, (x, y), **box, cells=(16, 16))
+    assert found.sizes["curve"] > 3
+    rows = np.flatnonzero(np.isfinite(found.angle.values))[::7]
+    for row in rows:
+        k = int(found["curve"][row])
+        order, axis = int(found.order[k]), int(found.angle_width[row] == 0.0)
+        here = np.array([found.angle[row], found.speed[row]])
+        speeds = []
+        for share in (-4e-10, -1e-10, 1e-10, 4e-10):
+            a, v = here + share * np.eye(2)[axis] * np.ptp(list(box.values())[axis])
+            flown = gz.trajectory(table, (x, y, v * np.cos(a), v * np.sin(a)), until=60.0, samples=2)
+            named = flown.impact_wall.values[: order + 1].tolist()
+            hit = len(named) > order and named[order] == found.object[k].item()
+            speeds.append(abs(float(flown.v_minus[order])) if hit else np.inf)
+        below, above = speeds[:2][::-1], speeds[2:]
+        near, far = below if below[0] < above[0] else above
+        assert far / near == pytest.approx(2.0, rel=0.05)
+        assert max(below[0], above[0]) > 2 * far
+
+
+def as_set(found):
+    return {(one, word, *map(tuple, points.round(9).tolist())) for one, word, points in curves(found)}
+
+
+TABLE = gz.table(
+    [
+        gz.disc("A", (2.0, 6.0), 0.5, LAW),
+        gz.disc("B", (4.0, 6.0), 0.5, LAW),
+        gz.segment("left", (0, 10), (0, 0), gz.newton(0.9)),
+        gz.segment("right", (6, 0), (6, 10), gz.newton(0.9)),
+        gz.drain("out", (0, 0), (6, 0)),
+    ],
+    rho=0.1,
+    tilt=0.2,
+)
+WIDE = {"angle": (0.3, pi - 0.3), "speed": (1.5, 2.5)}
+
+
+def test_a_symmetric_table_has_symmetric_grazes():
+    found = curves(gz.grazes(TABLE, (3.0, 2.0), **WIDE, cells=(16, 8)))
+    other = str.maketrans("AB", "BA")
+
+    def mirrored(name):
+        return {"left": "right", "right": "left"}.get(name.strip("()"), name.translate(other)) if name else name
+
+    points = {(one, word.strip("()")): [] for one, word, _points in found}
+    for one, word, each in found:
+        points[one, word.strip("()")].append(each)
+    for (one, word), each in points.items():
+        twin = np.concatenate(points[mirrored(one), mirrored(word)])
+        here = np.concatenate(each)
+        assert len(here) == len(twin)
+        for angle, speed in here:
+            assert np.abs(twin - (pi - angle, speed)).sum(axis=1).min() < 1e-11
+
+
+def test_the_unit_of_length_does_not_matter():
+    """All lengths, gravity with them, a thousand times as large: speeds are, and angles are the same."""
+    scale = 1024.0
+    lengths = {name: value * scale for name, value in TABLE.params.items() if name not in ("tilt", "A.r", "B.r")}
+    lengths = {name: value for name, value in lengths.items() if not name.endswith((".r", "tilt"))}
+    big = TABLE.replace(**lengths)
+    one = gz.grazes(TABLE, (3.0, 2.0), **WIDE, cells=(16, 16))
+    found = gz.grazes(
+        big, (3.0 * scale, 2.0 * scale), WIDE["angle"], [v * scale for v in WIDE["speed"]], cells=(16, 16)
+    )
+    np.testing.assert_allclose(found.angle, one.angle, rtol=1e-12)
+    np.testing.assert_allclose(found.speed, one.speed * scale, rtol=1e-12)
+    assert found.word.equals(one.word) and found.object.equals(one.object)
+
+
+def test_borders_in_the_picture_of_exits_lie_on_changes():
+    """Launches with two impacts at most that leave in other ways have a change between them: a graze, or a corner."""
+    box = WIDE["angle"], WIDE["speed"]
+    borders = Borders(Itineraries(TABLE, 3.0, 2.0, 3), box, (399, 8))
+    borders.search((ANGLE, j, i, i + 1) for i in range(399) for j in range(9))
+    angle, speed = np.linspace(*box[0], 400), [borders.along(SPEED, j) for j in range(9)]
+    exits, seen = gz.launches(TABLE, (3.0, 2.0), angle, speed), 0
+    for j, v in enumerate(speed):
+        at = np.array([one.low for one in borders.all() if one.at == v and one.kind != SEAM])
+        for i in np.flatnonzero(exits.exit.values[1:, j] != exits.exit.values[:-1, j]):
+            if exits.hits.values[i : i + 2, j].max() <= 2:
+                seen += 1
+                assert ((at >= angle[i] - 1e-12) & (at <= angle[i + 1])).any()
+    assert seen > 5
+
+
+def test_a_finer_grid_finds_no_other_curves():
+    usual = gz.grazes(TABLE, (3.0, 2.0), **WIDE, cells=(24, 12))
+    finer = gz.grazes(TABLE, (3.0, 2.0), **WIDE, cells=(96, 48))
+    names = lambda found: sorted(zip(found.object.values, found.word.values, strict=True))  # noqa: E731
+    assert names(usual) == names(finer)
+
+
+def test_what_is_asked_for():
+    only = gz.grazes(TABLE, (3.0, 2.0), **WIDE, objects="A", order=0, cells=(16, 16))
+    assert set(only.object.values.tolist()) == {"A"} and not only.order.any()
+    none = gz.grazes(TABLE, (3.0, 2.0), (1.5, 1.6), (0.1, 0.2), cells=(2, 3))
+    assert none.sizes == {"point": 0, "curve": 0}
+    for wrong, said in [
+        ({"angle": 1.0}, r"angle is 1.0; give angle=\(low, high\), finite numbers"),
+        ({"speed": (-1.0, 2.0)}, r"speed is \(-1, 2\); give speed=\(low, high\), finite numbers, both >= 0"),
+        ({"speed": (2.0, 1.0)}, "the lower end must come first"),
+        ({"order": -1}, "order = -1"),
+        ({"objects": ["C"]}, "no object is called 'C'; allowed are A, B, left, right, out"),
+        ({"cells": 5}, "cells are 5; give how many there are along angle and speed"),
+        ({"point": (2.0, 6.0)}, "inside"),
+    ]:
+        with pytest.raises(gz.InputError, match=said):
+            gz.grazes(**{"table": TABLE, "point": (3.0, 2.0), **WIDE, **wrong})
+    with pytest.raises(gz.InputError, match="no plunger; give"):
+        gz.grazes(TABLE, (3.0, 2.0))
