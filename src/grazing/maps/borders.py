@@ -78,6 +78,8 @@ class Borders:
     points: dict[tuple[int, int], int] = field(default_factory=dict)
     sides: dict[Side, list[Change]] = field(default_factory=dict)
     halves: dict[Side, tuple[Side, Side]] = field(default_factory=dict)
+    #: Sides on which changes were found since it was last cleared.
+    news: set[Side] = field(default_factory=set)
 
     def along(self, axis: int, k: int) -> float:
         """Return a coordinate on the lattice."""
@@ -159,6 +161,7 @@ class Borders:
         sides, brackets = self._bisected(gaps)
         for side, change in zip(sides, self._told(sides, brackets), strict=True):
             self.sides[side].append(change)
+        self.news.update(sides)
         for side in dict.fromkeys(sides):
             self.sides[side].sort(key=lambda one: one.low)
 

@@ -116,7 +116,7 @@ def grazes(
         "title": f"grazes of launches from ({x:g}, {y:g}) on {table!r}",
         "launch": [x, y],
         "most_order": order,
-        "box": [list(side) for side in box],
+        "box": [end for side in box for end in side],
         "cells": [m, n],
         "corners": sum(one.kind == CORNER for one in borders.all()),
         **{f"parameter_{name}": value for name, value in table.params.items()},

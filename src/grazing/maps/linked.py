@@ -25,20 +25,22 @@ class Curve(NamedTuple):
 def curves_of(borders: Borders, cells: tuple[int, int], asked: Callable[[Change], bool]) -> list[Curve]:
     """Find the changes that are asked for on a grid of cells, and link them to curves."""
     size = 2**DEPTH
-    leaves = [(i * size, j * size, size) for i in range(cells[0]) for j in range(cells[1])]
-    borders.search(side for cell in leaves for side in sides_of(cell))
+    leaves = {(i * size, j * size, size) for i in range(cells[0]) for j in range(cells[1])}
+    borders.search(side for cell in sorted(leaves) for side in sides_of(cell))
     probed: set[Place] = set()
-    while unclear := [
-        cell for cell in leaves if cell not in probed and not _clear(_met(borders, cell, asked))
-    ]:  # what is new on a side may make its other cell unclear
+    looked = leaves
+    while unclear := sorted(cell for cell in looked if not _clear(_met(borders, cell, asked))):
+        borders.news.clear()
         coarse = [cell for cell in unclear if cell[2] > 1]
         borders.split(side for cell in coarse for side in sides_of(cell))
         finer = [part for cell in coarse for part in _quarters(cell)]
         borders.search(side for part in finer for side in sides_of(part))
-        leaves = [*(set(leaves) - set(coarse)), *finer]
+        leaves = (leaves - set(coarse)).union(finer)
         fine = [cell for cell in unclear if cell[2] == 1]
         borders.probe(side for cell in fine for side in sides_of(cell))
         probed |= set(fine)
+        # what is new on a side may make its other cell unclear
+        looked = leaves.intersection(finer + [cell for side in borders.news for cell in _beside(side)]) - probed
     links = [link for cell in sorted(leaves) for link in _links(_met(borders, cell, asked), borders.box)]
     following = dict(links)
     back = {one for one, other in links if following.get(other) is one}  # a strip too thin to be seen beside this side
@@ -52,6 +54,14 @@ def sides_of(cell: Place) -> tuple[Side, Side, Side, Side]:
     return (
         (ANGLE, j, i, i + size), (SPEED, i + size, j, j + size), (ANGLE, j + size, i, i + size), (SPEED, i, j, j + size)
     )  # fmt: skip
+
+
+def _beside(side: Side) -> list[Place]:
+    """Return the cells of all sizes that a side may belong to."""
+    axis, across, low, high = side
+    sizes = [size for size in (2**k for k in range(DEPTH + 1)) if size >= high - low]
+    places = [(low // size * size, k // size * size, size) for size in sizes for k in (across, across - 1)]
+    return places if axis == ANGLE else [(j, i, size) for i, j, size in places]
 
 
 def _quarters(cell: Place) -> list[Place]:

@@ -10,6 +10,7 @@ from grazing.plot.coexistence import coexistence
 from grazing.plot.density import density
 from grazing.plot.escape import escape
 from grazing.plot.graph import graph
+from grazing.plot.grazes import grazes
 from grazing.plot.history import history
 from grazing.plot.ladder import ladder
 from grazing.plot.launches import launches
@@ -31,7 +32,7 @@ from grazing.plot.zdm import zdm
 
 __all__ = [
     "animate", "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "escape",
-    "figure", "graph", "graph_of", "history", "ladder", "launches", "locus", "lyapunov", "manifolds", "map_graph",
-    "orbit_diagram", "panels", "period_colour", "provenance", "provenance_of", "rendered", "response", "save",
-    "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows", "zdm",
+    "figure", "graph", "graph_of", "grazes", "history", "ladder", "launches", "locus", "lyapunov", "manifolds",
+    "map_graph", "orbit_diagram", "panels", "period_colour", "provenance", "provenance_of", "rendered", "response",
+    "save", "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows", "zdm",
 ]  # fmt: skip

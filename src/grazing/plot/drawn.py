@@ -18,7 +18,7 @@ Draw = TypeVar("Draw", bound=Callable[..., Any])
 #: Dots per inch on a screen.
 SCREEN = 144
 #: What is drawn over other figures of this package, and goes on with their legends.
-OVER = ("branch", "manifolds")
+OVER = ("branch", "grazes", "manifolds")
 
 
 def png_of(figure: Figure) -> bytes | None:
