@@ -211,6 +211,7 @@ CALLS = {
     "continuation": dict(P=G, orbit=one, name="mu", bounds=(0.4, 0.6)), "density": dict(P=G, name="mu", values=v),
     "launch_map": dict(table=T, point=(0.5, 0.0)),
     "launches": dict(table=T, point=(0.5, 0.0), angle=0.7, speed=[0.5, 1.5]),
+    "grazes": dict(table=T, point=(0.5, 0.0), angle=(0.2, 0.7), speed=(0.5, 1.5), order=0, cells=(2, 2)),
     "grazing_curve": dict(model=m), "ladder": dict(model=m, name="d", N=2), "lyapunov": dict(P=G, name="mu", values=v),
     "manifolds": dict(orbit=saddle), "one_impact_orbits": dict(model=m, N=2),
     "orbit_diagram": dict(P=G, name="mu", values=v), "periodic_orbits": dict(P=logistic, period=2),

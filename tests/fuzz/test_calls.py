@@ -145,6 +145,9 @@ def calls():
         "collision_map": dict(table=TABLE, on="A"),
         "escape_rate": dict(P=OPEN, orbits=100, transient=1, steps=2, populations=2, stir=0.02, threads=1),
         "launch_map": dict(table=TABLE, point=(0.5, 0.0), hits=100),
+        "grazes": dict(
+            table=TABLE, point=(0.5, 0.0), angle=(0.7, 1.0), speed=(0.5, 1.5), order=0, objects=["A"], cells=(2, 2)
+        ),
         "launches": dict(table=TABLE, point=(0.5, 0.0), angle=[0.7, 1.0], speed=[0.5, 1.5], hits=100),
         "plot.table": dict(table=TABLE, names=True),
         "testing.check_table": dict(table=TABLE, states=1, seed=0),

@@ -99,10 +99,6 @@ def test_the_speed_falls_as_a_square_root_beside_each_point_and_the_ball_passes_
         assert max(below[0], above[0]) > 2 * far
 
 
-def as_set(found):
-    return {(one, word, *map(tuple, points.round(9).tolist())) for one, word, points in curves(found)}
-
-
 TABLE = gz.table(
     [
         gz.disc("A", (2.0, 6.0), 0.5, LAW),
@@ -162,6 +158,12 @@ def test_borders_in_the_picture_of_exits_lie_on_changes():
                 seen += 1
                 assert ((at >= angle[i] - 1e-12) & (at <= angle[i + 1])).any()
     assert seen > 5
+
+
+def test_strips_thinner_than_the_finest_cells_are_followed():
+    """The bumper, and then a wall, is grazed along both sides of strips that are 1/2000 of the box wide."""
+    found = gz.grazes(gz.read_table("one_bumper"), (0.3, 4.0), (-1.0, 1.0), (1.0, 4.0))
+    assert found.sizes["curve"] == 10 and not found.closed.any()
 
 
 def test_a_finer_grid_finds_no_other_curves():

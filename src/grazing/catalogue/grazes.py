@@ -7,9 +7,6 @@ from typing import Any
 from grazing.catalogue.study import Row, Study
 from grazing.catalogue.words import short, table
 
-#: Rows that are printed.
-SHOWN = 20
-
 
 def found(result: Any) -> Row:
     """Return for each object and word how many curves there are, and between which launches."""
@@ -41,11 +38,10 @@ def words(found: Row, *_of: Any) -> list[str]:
     rows = [
         [row["object"], row["word"] or "-", short(row["kick"], 4) if row["kick"] else "-", str(row["curves"]),
          *(" to ".join(short(end, 5) for end in row[name]) for name in ("angle", "speed"))]
-        for row in found["grazes"][:SHOWN]
+        for row in found["grazes"]
     ]  # fmt: skip
-    more = len(found["grazes"]) - SHOWN
     said = table(["grazed", "after", "kick", "curves", "angle", "speed"], rows) if rows else ["no graze found"]
-    return [*said, *([f"and {more} more"] if more > 0 else ()), f"{found['curves']} curves of {found['points']} points"]
+    return [*said, f"{found['curves']} curves of {found['points']} points"]
 
 
 STUDY = Study(

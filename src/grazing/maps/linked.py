@@ -10,6 +10,8 @@ from grazing.maps.borders import ANGLE, SPEED, Borders, Box, Change, Side
 
 #: How often a cell is halved at most.
 DEPTH = 4
+#: Changes on the outline of a cell of which all ways to link them are compared.
+MATCHED = 8
 Place = tuple[int, int, int]
 #: A change on the outline of a cell, whether the object is hit behind it, counterclockwise, and on which side it is.
 Met = tuple[Change, bool, int]
@@ -92,22 +94,43 @@ def _clear(met: dict[object, list[Met]]) -> bool:
 
 
 def _links(met: dict[object, list[Met]], box: Box) -> Iterator[tuple[Change, Change]]:
-    """Give pairs that are linked, hits on the left: neighbours on the outline, the nearest ones first.
-
-    Two on one side belong together only if nothing else is left.
-    """
+    """Give pairs that are linked, hits on the left."""
     for left in met.values():
-        while pairs := [(k - 1, k) for k in range(len(left)) if left[k - 1][1] != left[k][1]]:
-            pair = min(pairs, key=lambda pair: _apart(left[pair[0]], left[pair[1]], box))
-            (one, begins, _side), (other, *_) = (left[k] for k in pair)
-            yield (other, one) if begins else (one, other)
-            left = [each for each in left if each[0] not in (one, other)]
+        while len(left) > MATCHED or len(left) % 2:  # the nearest ones first, and what remains is the end of a curve
+            pairs = [(left[k - 1], left[k]) for k in range(len(left)) if left[k - 1][1] != left[k][1]]
+            if not pairs:
+                break
+            pair = min(pairs, key=lambda pair: _apart(*pair, box))
+            yield _directed(*pair)
+            left = [one for one in left if one not in pair]
+        best = min(_matchings(left), key=lambda pairs: _cost(pairs, box), default=[])
+        yield from (_directed(*pair) for pair in best)
+
+
+def _matchings(ring: list[Met]) -> Iterator[list[tuple[Met, Met]]]:
+    """Give all ways to link changes on the outline of a cell that do not cross."""
+    if not ring:
+        yield []
+    for k in range(1, len(ring), 2):
+        if ring[0][1] != ring[k][1]:
+            for inner in _matchings(ring[1:k]):
+                yield from ([(ring[0], ring[k]), *inner, *outer] for outer in _matchings(ring[k + 1 :]))
+
+
+def _directed(one: Met, other: Met) -> tuple[Change, Change]:
+    return (other[0], one[0]) if one[1] else (one[0], other[0])
 
 
 def _apart(one: Met, other: Met, box: Box) -> tuple[bool, float]:
     """Return whether two changes are on one side, and their distance in sides of the box."""
     places = zip(one[0].place, other[0].place, box, strict=True)
     return one[2] == other[2], hypot(*((a - b) / (high - low) for a, b, (low, high) in places))
+
+
+def _cost(pairs: list[tuple[Met, Met]], box: Box) -> tuple[int, float]:
+    """Return how many pairs are on one side, as a strip is that goes through the cell, and how long all links are."""
+    each = [_apart(*pair, box) for pair in pairs]
+    return sum(same for same, _apart in each), sum(length for _same, length in each)
 
 
 def _chained(changes: list[Change], following: dict[Change, Change]) -> Iterator[Curve]:
