@@ -76,7 +76,7 @@ def test_a_ball_that_has_left_stays_where_it_is():
     orbit = P.orbit(np.array([P.box[0][0] + 0.6, 0.2, 1.0, 0.3]), 80)
     assert P.letters.symbol(int(orbit.letters[-1])) == "(out)"
     np.testing.assert_array_equal(orbit.points[-1], orbit.points[-2])
-    found = gz.basins(P, {"angle": np.linspace(-1, 1, 4), "phase": [0.0, 0.5]}, transient=200,
+    found = gz.basins(P, {"angle": np.linspace(-1, 1, 4), "phase": [0.0, 0.5]}, transient=1000,
                       fixed={"place": P.box[0][0] + 0.5, "speed": 2.0})  # fmt: skip
     assert set(found.word.values.ravel().tolist()) == {"(out)"}
 
