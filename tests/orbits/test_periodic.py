@@ -206,6 +206,7 @@ def test_a_list_of_orbits_is_a_tuple_that_says_what_was_done():
         ({"word": "0C"}, "never rests"),
         ({"word": "S"}, "never rests"),
         ({"word": "09"}, "holds at most"),
+        ({"period": 1, "virtual": np.array([])}, "give True or False"),
     ],
 )  # fmt: skip
 def test_what_cannot_be_is_refused_with_a_reason(asked, said):

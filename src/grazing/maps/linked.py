@@ -130,7 +130,7 @@ def _apart(one: Met, other: Met, box: Box) -> tuple[bool, float]:
 def _cost(pairs: list[tuple[Met, Met]], box: Box) -> tuple[int, float]:
     """Return how many pairs are on one side, as a strip is that goes through the cell, and how long all links are."""
     each = [_apart(*pair, box) for pair in pairs]
-    return sum(same for same, _apart in each), sum(length for _same, length in each)
+    return sum(same for same, _length in each), sum(length for _same, length in each)
 
 
 def _chained(changes: list[Change], following: dict[Change, Change]) -> Iterator[Curve]:

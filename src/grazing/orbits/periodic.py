@@ -193,6 +193,8 @@ def periodic_orbits(
         raise InputError(f"P is {shown(P)}; give a map, such as gz.stroboscopic_map(model) or gz.gap_map(...)")
     starts, seed = whole(starts, "starts", 1), whole(seed, "seed", 0, 2**64 - 1)
     finder = finder_of(P)
+    if not isinstance(virtual, bool):
+        raise InputError(f"virtual is {shown(virtual)}; give True or False")
     if energy is not None:
         if not finder.energetic:
             raise InputError(
