@@ -73,12 +73,19 @@ def test_a_disc_that_is_grazed_and_then_hit_by_the_same_flight_is_found():
     assert twice > 5
 
 
-@pytest.mark.parametrize("name", ["one_bumper", "classic"])
+def flipped():
+    """A table with a flipper that is pressed in time."""
+    flipper = gz.flipper("L", (1.2, 1.0), 1.45, (0.2, 0.12), -0.5, 0.6, gz.newton(0.8), up=14.0, down=9.0)
+    player = gz.flips(period=0.9, hold=0.3, phase={"L": 0.0})
+    return gz.table([flipper, gz.disc("A", (2, 6), 0.5, LAW)], rho=0.1, tilt=0.5, player=player)
+
+
+@pytest.mark.parametrize("name", ["one_bumper", "classic", "flipped"])
 def test_the_speed_falls_as_a_square_root_beside_each_point_and_the_ball_passes_on_the_other_side(name):
-    table = gz.read_table(name)
-    box = {"angle": (-1.0, 1.0), "speed": (1.0, 4.0)}
-    box = {"angle": (1.2, 1.9), "speed": (12.0, 22.0)} if name == "classic" else box
-    x, y = (table.plunger.x, table.plunger.y) if table.plunger else (0.3, 4.0)
+    table = flipped() if name == "flipped" else gz.read_table(name)
+    boxes = {"one_bumper": [(-1.0, 1.0), (1.0, 4.0)], "classic": [(1.2, 1.9), (12, 22)]}
+    box = dict(zip(BOX, boxes.get(name, [(-2.5, -0.5), (0.5, 2.0)]), strict=True))
+    x, y = (table.plunger.x, table.plunger.y) if table.plunger else (2.0, 4.0)
     found = gz.grazes(table, (x, y), **box, cells=(16, 8))
     assert found.sizes["curve"] > 3
     rows = np.flatnonzero(np.isfinite(found.angle.values))[::7]
@@ -160,6 +167,13 @@ def test_borders_in_the_picture_of_exits_lie_on_changes():
     assert seen > 5
 
 
+def test_a_box_of_hardly_any_width_has_the_same_graze():
+    at, cells = asin(0.3), (2, 2)
+    table = gz.table([gz.disc("A", (2.0, 6.0), 0.5, LAW)], rho=0.1)
+    found = gz.grazes(table, (0.0, 6.0), (at - 1e-12, at + 1e-12), (1.0, 2.0), order=0, cells=cells)
+    assert found.sizes["curve"] == 1 and abs(found.angle - at).max() < 2e-14  # that is what doubles decide
+
+
 def test_strips_thinner_than_the_finest_cells_are_followed():
     """The bumper, and then a wall, is grazed along both sides of strips that are 1/2000 of the box wide."""
     found = gz.grazes(gz.read_table("one_bumper"), (0.3, 4.0), (-1.0, 1.0), (1.0, 4.0))
@@ -184,6 +198,7 @@ def test_what_is_asked_for():
         ({"speed": (2.0, 1.0)}, "the lower end must come first"),
         ({"order": -1}, "order = -1"),
         ({"objects": ["C"]}, "no object is called 'C'; allowed are A, B, left, right, out"),
+        ({"angle": (1.0, 1.0 + 1e-13)}, r"too few doubles between for 64 cells"),
         ({"cells": 5}, "cells are 5; give how many there are along angle and speed"),
         ({"point": (2.0, 6.0)}, "overlaps A by 0.6; start where it is free"),
     ]:

@@ -16,9 +16,10 @@ Integers = NDArray[np.int64]
 ANGLE, SPEED = 0, 1
 #: A change is known to this share of the box, or to some neighbouring doubles.
 SHARE, ULPS = 2.0**-44, 4.0
-#: Distances from a change, as shares of the box, at which its impact is looked at: pairs, of which the first one is
-#: taken at which the itinerary is still the same. The square root of 16 is 4, and of half of that or twice that.
-PROBES = ((2.0**-24, 2.0**-28), (2.0**-29, 2.0**-33), (2.0**-34, 2.0**-38))
+#: Distances from a change, as shares of the box, at which its impact is looked at, and 16 times as far: the first one
+#: is taken at which the itinerary is still the same, none nearer than so many brackets. The root of 16 is 4; of half
+#: of that or twice that.
+PROBES, FARTHER, CLEAR = (2.0**-28, 2.0**-33, 2.0**-38), 16.0, 2.0**8
 LEAST, MOST = 2.0, 8.0
 #: The share by which an impact differs on both sides of a change at which nothing happens.
 SAME = 1e-6
@@ -220,12 +221,14 @@ class Borders:
         codes = self.itineraries.codes
         found = [(False, np.nan)] * len(brackets)
         going = list(range(len(brackets)))
-        for shares in PROBES:
+        for share in PROBES:
             speeds = []
-            for share in shares:
-                spans = np.array([np.subtract(*self.box[sides[i][0]][::-1]) for i in going])
-                edges = np.array([brackets[i][1 if above else 0] for i in going])
-                values = edges + (share if above else -share) * spans
+            edges = np.array([brackets[i][1 if above else 0] for i in going])
+            spans = np.array([np.subtract(*self.box[sides[i][0]][::-1]) for i in going])
+            wide = np.array([brackets[i][1] - brackets[i][0] for i in going])
+            away = np.maximum(share * spans, CLEAR * wide)
+            for far in (FARTHER, 1.0):
+                values = edges + (far if above else -far) * away
                 flown = self.itineraries.fly(*self._launched([sides[i] for i in going], values))
                 speeds.append([_speed(flown, n, *_wanted(brackets[i], codes, above)) for n, i in enumerate(going)])
             for i, far, near in zip(going, *speeds, strict=True):

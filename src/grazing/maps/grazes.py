@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 #: Impacts before a graze, and cells along a side, at most; cells unless said.
 MOST_ORDER, MOST_CELLS, CELLS = 100, 2_000, (64, 64)
 INFINITY = float("inf")
+#: Doubles along a cell at least.
+FINEST = 2.0**8
 #: Bytes that a cell takes.
 CELL = 2_000
 
@@ -104,6 +106,12 @@ def grazes(
         raise InputError(f"cells are {shown(cells)}; give how many there are along angle and speed, such as (64, 64)")
     m, n = (whole(k, "cells", 1, MOST_CELLS) for k in grid)
     refuse_too_large((CELL + 16 * order) * m * n, f"give fewer cells than {m} x {n}")
+    for name, (low, high), count in zip(COORDINATES, box, (m, n), strict=True):
+        if high - low < FINEST * count * np.spacing(max(abs(low), abs(high))):
+            said = f"{name} is ({low!r}, {high!r})"
+            raise InputError(
+                f"{said}; there are too few doubles between for {count} cells, give a wider range or fewer"
+            )
     wanted = None if objects is None else _numbers(table, objects)
 
     def asked(one: Change) -> bool:

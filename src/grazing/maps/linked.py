@@ -100,7 +100,7 @@ def _links(met: dict[object, list[Met]], box: Box) -> Iterator[tuple[Change, Cha
             pairs = [(left[k - 1], left[k]) for k in range(len(left)) if left[k - 1][1] != left[k][1]]
             if not pairs:
                 break
-            pair = min(pairs, key=lambda pair: _apart(*pair, box))
+            pair = min(pairs, key=lambda two: _apart(two[0], two[1], box))
             yield _directed(*pair)
             left = [one for one in left if one not in pair]
         best = min(_matchings(left), key=lambda pairs: _cost(pairs, box), default=[])

@@ -18,8 +18,9 @@ if TYPE_CHECKING:
 
 
 def grazed(
-    P: Map, grid: Mapping[str, ArrayLike] | None = None, *, impacts: int = 1, objects: str | None = None
-) -> xr.Dataset:
+    P: Map, grid: Mapping[str, ArrayLike] | None = None, *, fixed: Mapping[str, float] | None = None, impacts: int = 1,
+    objects: str | None = None,
+) -> xr.Dataset:  # fmt: skip
     """Return what :func:`grazing.grazes` does, of a map of launches: the study of that name.
 
     Parameters
@@ -29,6 +30,8 @@ def grazed(
     grid : mapping of str to array_like, optional
         ``angle`` and ``speed``: between the first and the last value there is a cell fewer than values. What is
         missing is that of the plunger.
+    fixed : mapping of str to float, optional
+        Refused: curves need a range of both.
     impacts : int
         Before the graze, at most.
     objects : str, optional
@@ -44,7 +47,7 @@ def grazed(
         raise InputError(f"grazes need a map of launches, gz.launch_map(table); this is a {P.name}")
     point = tuple(P.params[name] for name in POINT) if POINT[0] in P.params else None
     ends, cells = {}, dict(zip(("angle", "speed"), CELLS, strict=True))
-    for name, given in (grid or {}).items():
+    for name, given in {**{name: [value] for name, value in (fixed or {}).items()}, **(grid or {})}.items():
         values = np.asarray(given, np.float64)
         if len(values) < 2:
             raise InputError(f"{name} is always {values[0]:g}; give a range, such as {name}=1:2:65")
