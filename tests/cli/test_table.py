@@ -169,7 +169,9 @@ def test_the_map_from_strobe_to_strobe_of_a_file_is_that_of_python(tmp_path, cap
     own = gz.basins(P, grid, fixed={"vx": 0.0, "vy": 0.0}, transient=30, keep=4)
     found = gz.load(tmp_path / "b.nc")
     assert (found.word.values == own.word.values).all() and (found.word.values == "(out)").any()
-    assert recipe_of(found.attrs)["map"] == "stroboscopic"
+    recipe = recipe_of(found.attrs)
+    assert recipe["map"] == "stroboscopic" and "--map stroboscopic" in command_of(recipe)
+    assert "--map" not in command_of({"study": "launches", "table": "classic"})
 
 
 def test_escape_rates_are_those_of_python(capsys):

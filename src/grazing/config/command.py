@@ -10,6 +10,7 @@ from grazing.config.maps import LAW, UNFOLD, parameter_defaults
 from grazing.config.own import is_own, unnamed
 from grazing.config.parameters import AMPLITUDES, defaults_of, parameter_names
 from grazing.config.settings import settings_of, text_of
+from grazing.config.tabled import usual_map
 from grazing.config.values import DEFAULT
 from grazing.maps.discontinuity import discontinuity_map
 from grazing.outcome import InputError, quoted, quoted_file, shown
@@ -65,6 +66,8 @@ def tokens_of(recipe: Recipe) -> Iterator[str]:
     for name, written in recipe["vary"].items():
         yield name if written == DEFAULT else f"{name}={text_of('', written)}"
     for key, usual in KEYS.items():
+        if key == "map" and "table" in recipe and usual_map(recipe["study"]) is not None:
+            usual = usual_map(recipe["study"])
         if recipe.get(key, usual) != usual:
             for value in told_apart(recipe[key]) if key == "curves" else [recipe[key]]:
                 yield from _option(key, value)
