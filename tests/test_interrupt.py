@@ -10,7 +10,7 @@ from pathlib import Path
 import pytest
 
 from grazing import interrupt, late
-from grazing.interrupt import held_back
+from grazing.interrupt import held_back, interrupt_in, none_lost
 from tests.processes import python
 
 MAIN = pytest.mark.skipif(threading.current_thread() is not threading.main_thread(), reason="needs the main thread")
@@ -164,3 +164,14 @@ def test_an_interrupt_in_a_call_of_llvm_destroys_nothing_twice(name, tmp_path):
     done = python(IN_A_CALL, name, env=os.environ | {"GRAZING_CACHE": str(tmp_path)})
     assert done.stdout.split() == ["stopped", f"{3.2 * 0.3 * 0.7}"], done.stderr[-500:]
     assert not done.stderr
+
+
+def test_an_import_that_fails_after_an_interrupt_was_interrupted():
+    """So does numpy's: in C it clears the interrupt, and says that it cannot be imported."""
+    assert interrupt_in(ImportError("numpy._core.multiarray failed to import")) is None
+    with none_lost():
+        with pytest.raises(KeyboardInterrupt):
+            signal.raise_signal(signal.SIGINT)
+        assert interrupt_in(ImportError("numpy._core.multiarray failed to import")) is not None
+        assert interrupt_in(ValueError("another")) is None
+    assert interrupt_in(ImportError("numpy._core.multiarray failed to import")) is None

@@ -13,6 +13,8 @@ from typing import Any
 
 #: Seconds between two looks at what became of an interrupt; after two at which nobody ends by it, it is lost.
 LOOK = 0.05
+#: Whether an interrupt came while a command ran: numpy, where it is imported, says of one that it cannot be.
+CAME = threading.Event()
 
 
 def causes(error: BaseException) -> list[BaseException]:
@@ -27,7 +29,8 @@ def causes(error: BaseException) -> list[BaseException]:
 
 def interrupt_in(error: BaseException) -> KeyboardInterrupt | None:
     """Return the interrupt that an error came from; None for none."""
-    return next((one for one in causes(error) if isinstance(one, KeyboardInterrupt)), None)
+    found = next((one for one in causes(error) if isinstance(one, KeyboardInterrupt)), None)
+    return KeyboardInterrupt() if found is None and isinstance(error, ImportError) and CAME.is_set() else found
 
 
 def taken() -> None:
@@ -95,6 +98,7 @@ def none_lost() -> Iterator[None]:
             interrupt_main()
 
     def interrupted(number: int, frame: Any) -> None:
+        CAME.set()
         try:
             watch()
         finally:
@@ -116,6 +120,7 @@ def none_lost() -> Iterator[None]:
         yield
     finally:
         sys.unraisablehook, over = before, True
+        CAME.clear()
         if ours and signal.getsignal(signal.SIGINT) is interrupted:
             signal.signal(signal.SIGINT, signal.default_int_handler)
 
