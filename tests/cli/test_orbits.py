@@ -326,7 +326,7 @@ def test_a_window_of_a_parameter_without_default(capsys):
     tokens = ["windows", "--law", "triggered", "--N", "3", *paper, *BALL]
     assert "trigger: it has no default, so its range is not known" in said(capsys, 2, *tokens, "trigger")
     walls = "--walls A=newton,B=newton --alpha 1 --k 1 --omega 2 --cos 1 B.sigma=0.5 A.r=0.7 B.r=0.8".split()
-    assert "A.sigma has no default, so its range is not known" in said(capsys, 2, "windows", "A.sigma", *walls)
+    assert "A.sigma: it has no default, so its range is not known" in said(capsys, 2, "windows", "A.sigma", *walls)
     assert told(capsys, *tokens, "trigger", "--trigger", "0.2")["span"] == [0.1, 0.4]
     assert told(capsys, *[word for word in tokens if word not in ("--r", "0.8")], "r", "--trigger", "0.2")["span"] == [
         0,
