@@ -24,7 +24,7 @@ HELD = {"starts", "keep", "bins"}
 #: What varies, in commands that are otherwise complete: a gap map, which needs no compiler worth speaking of.
 COMMANDS = {
     "diagram": "mu=0:0.1:4", "density": "mu=0:0.1:4", "chart": "mu=0:0.1:3 l=0:0.1:3", "basins": "x=0:0.1:4 mu=0.1",
-    "lyapunov": "mu=0:0.1:4", "coexistence": "mu=0:0.1:4",
+    "lyapunov": "mu=0:0.1:4", "coexistence": "mu=0:0.1:4", "statistics": "mu=0:0.1:4",
 }  # fmt: skip
 #: Megabytes at the most, of this process alone: what ``getrusage`` says begins with that of the one that started it.
 PEAK = """
@@ -89,6 +89,7 @@ def examples(cells=40, starts=60):
     yield plans.chart(G, {"mu": x, "l": x[::4]}, starts=8, transient=50, keep=100, exponent_steps=20)
     yield plans.lyapunov(G, "mu", x, starts=starts, transient=50, keep=200, steps=50)
     yield plans.coexistence(G, "mu", x, starts=starts, transient=50, keep=200)
+    yield plans.word_statistics(G, "mu", x, starts=starts, transient=50, keep=300)
     yield plans.basins(G, {"x": np.linspace(-1, 1, 20_000)}, transient=50, keep=64)
 
 
@@ -218,7 +219,8 @@ CALLS = {
     "response": dict(P=gz.stroboscopic_map(m), name="d", values=v - 0.3),
     "sensitivity": dict(model=m, name="d", N=2), "trajectory": dict(model=m, state=(0.1, 0.0)),
     "validity": dict(model=m, params={"d": v, "V": v}), "windows": dict(model=m, name="d", N=2),
-    "words": dict(letters=2, length=3, impacts=2), "zero_one": dict(series=np.sin(np.arange(200.0))),
+    "word_statistics": dict(P=G), "words": dict(letters=2, length=3, impacts=2),
+    "zero_one": dict(series=np.sin(np.arange(200.0))),
 }
 """
 #: Each call with each of its whole numbers out of all proportion, stopped by an interrupt after half a second.

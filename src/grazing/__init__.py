@@ -87,6 +87,7 @@ _PUBLIC = {
     "response": "compare.response",
     "validity": "compare.validity",
     "words": "orbits.word",
+    "word_statistics": "studies.word_statistics",
     "locus": "orbits.locus",
     "grazing_curve": "orbits.grazing_curve",
     "one_impact_orbits": "orbits.one_impact",
@@ -217,6 +218,7 @@ if TYPE_CHECKING:
     from grazing.studies.graph import graph as graph
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
+    from grazing.studies.word_statistics import word_statistics as word_statistics
     from grazing.studies.zero_one import zero_one as zero_one
     from grazing.systems.contract import Surface as Surface
     from grazing.systems.contract import System as System

@@ -204,6 +204,7 @@ def calls():
         "grazing_curve": dict(model=t.m, phase=0.0, preimages=0, points=20, box=None),
         "ladder": dict(model=t.m, name="d", N=3, rungs=("gap",), span=None, last=3),
         "locus": dict(special=t.special, names=("d", "V"), bounds=((0.08, 0.14), (0.39, 0.41)), step=0.1, limit=20),
+        "word_statistics": dict(P=t.G, name="mu", values=MU, length=2, most=3, **SMALL),
         "lyapunov": dict(P=t.G, name="mu", values=MU, steps=10, **SMALL),
         "manifolds": dict(orbit=t.saddle, side="unstable", length=0.1, spacing=0.1, box=None, steps=5),
         "one_impact_orbits": dict(model=t.m, N=3),
@@ -293,6 +294,7 @@ def calls():
         "plot.density": dict(result=results.density(bins=5)),
         "plot.lyapunov": dict(result=results.lyapunov()),
         "plot.coexistence": dict(result=results.coexistence()),
+        "plot.word_statistics": dict(result=gz.word_statistics(t.G, length=2, **SMALL)),
     }
     both = {"coexistence", "chart", "lyapunov", "density", "orbit_diagram"}
     for name in both & {*found}:  # of the oscillator, too

@@ -32,6 +32,7 @@ from grazing.outcome import ESCAPED, FATAL, OK, InputError, shown
 from grazing.parameter import Parameter, refuse_late
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 NAN, INFINITY = float("nan"), float("inf")
 #: Places around an object at which it is tried whether a ball fits there.
 TRIED = 720
@@ -82,10 +83,16 @@ def asked_of(table: Table) -> str:
     return "the strategy or a reset law" if table.player.drains else "a reset law"
 
 
+def ways_out(table: Table) -> list[int]:
+    """Return the numbers of the objects through which a ball leaves, and that of *away*."""
+    return [number for number, one in enumerate(table.objects) if one.kind == DRAIN] + [len(table.objects)]
+
+
 class OfTable(Origin):
     """The origin of the map of a table from impact to impact."""
 
     stirred = ("angle",)
+    starts_only = True
     finder = "grazing.orbits.search_bounces:Bounced"
 
     def __init__(self, table: Table, on: str) -> None:
@@ -130,6 +137,10 @@ class OfTable(Origin):
         """Return where starts are drawn: on one object, in all directions away from it."""
         names = list(self.table.params)
         return np.array([box_of(self.table, self.on, dict(zip(names, row, strict=True))) for row in rows.tolist()])
+
+    def left(self, letters: Ints) -> NDArray[np.bool_]:
+        """Return which steps end with a ball that has left: down a drain, or away."""
+        return np.isin(letters, ways_out(self.table))
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""

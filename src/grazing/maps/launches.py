@@ -45,6 +45,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 NAN, INFINITY = float("nan"), float("inf")
 #: Impacts of a launch at most, unless said.
 HITS = 10_000
@@ -93,6 +94,7 @@ class OfLaunches(Origin):
 
     exact = True
     together = TOGETHER
+    starts_only = True
 
     def __init__(self, table: Table, own: Sequence[str]) -> None:
         self.table, self.asks = table, asked_of(table)
@@ -124,6 +126,10 @@ class OfLaunches(Origin):
     def describe(self, name: str) -> Parameter | None:
         """Return what is known of a parameter or coordinate."""
         return COORDINATES.get(name) or OWN.get(name) or self.table.describe(name)
+
+    def left(self, letters: Ints) -> NDArray[np.bool_]:
+        """Return that each step ends with a ball that has left."""
+        return np.ones(letters.shape, np.bool_)
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a launch in exact arithmetic."""

@@ -23,7 +23,7 @@ from grazing.billiard.flown import (
 from grazing.billiard.hit import flown
 from grazing.billiard.players import PERIOD
 from grazing.billiard.table import AWAY, Table
-from grazing.maps.collisions import asked_of, blocks_of, fastest, plain_block
+from grazing.maps.collisions import asked_of, blocks_of, fastest, plain_block, ways_out
 from grazing.maps.derivative import Derived
 from grazing.maps.hits import Bounces
 from grazing.maps.map import Map
@@ -69,6 +69,8 @@ def box_of(table: Table) -> tuple[tuple[float, float], ...]:
 class Strobed(Origin):
     """The origin of the stroboscopic map of a table."""
 
+    starts_only = True
+
     def __init__(self, table: Table) -> None:
         self.table, self.alphabet = table, Bounces((*table.names, AWAY))
         self.exact = all(one.law is None or one.law.exact_slope for one in table.objects)
@@ -106,6 +108,10 @@ class Strobed(Origin):
         """Return the time that orbits took for so many steps, each of a period."""
         periods = rows[:, list(self.table.params).index(PERIOD.name)]
         return np.broadcast_to(steps * periods[:, None], letters.shape)
+
+    def left(self, letters: Ints) -> NDArray[np.bool_]:
+        """Return which steps end with a ball that has left: the last object of their letters is a way out."""
+        return (letters > 0) & np.isin(letters % (len(self.alphabet.names) + 1) - 1, ways_out(self.table))
 
     def settle(self, row: list[float], state: tuple[float, ...]) -> Settled | None:
         """Decide a step in exact arithmetic."""

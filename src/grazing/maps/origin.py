@@ -63,6 +63,9 @@ class Origin(ByValue):
         The oscillator that the map shows, over one wall or between several; ``walled`` if these are walls of its own.
     impacts_on : Table, optional
         The table of which the steps of the map are the impacts, one each.
+    starts_only : bool
+        Whether the box is only where starts are drawn, as on one object of a table, and says nothing of where orbits
+        go: of those that leave it nothing is said.
     together : int
         Orbits that are worth computing in one go, where the map knows; else 0.
     stirred : tuple of str
@@ -87,6 +90,7 @@ class Origin(ByValue):
     model: Any = None
     rig: Any = None
     impacts_on: Any = None
+    starts_only: ClassVar[bool] = False
     together: ClassVar[int] = 0
     stirred: ClassVar[tuple[str, ...]] = ()
     section: ClassVar[str | None] = None
@@ -131,6 +135,10 @@ class Origin(ByValue):
 
     def refuse_made(self, names: Sequence[str]) -> None:
         """Raise InputError for parameters that follow from others, and cannot vary by themselves."""
+
+    def left(self, letters: Ints) -> NDArray[np.bool_]:
+        """Return which steps end with an orbit that has left, as a ball that is down a drain, by their letters."""
+        return np.zeros(letters.shape, np.bool_)
 
     def units_of(self, names: Sequence[str]) -> str:
         """Return the units of several coordinates, one after the other; ``"1"`` if all is dimensionless."""

@@ -10,12 +10,11 @@ from typing import TYPE_CHECKING, Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from grazing.maps.hits import Alphabet
-from grazing.maps.map import CHATTER_LETTER, STUCK_LETTER, Map
 from grazing.orbits.manifold_growth import FIRST, Image, Piece, Ruler, along, image_of
 from grazing.orbits.manifold_saddle import Saddle, refuse_no_saddle, saddle_of, short_pieces
 from grazing.orbits.manifold_steps import Backwards, Forwards, Leaves, Ray, Solved, Steps, traced
 from grazing.orbits.orbit import Orbit
+from grazing.orbits.word import spelled
 from grazing.outcome import InputError
 from grazing.parameter import checked_box, real, whole
 
@@ -263,16 +262,6 @@ def _box(orbit: Orbit, box: Any) -> Floats:
 # ---- result
 
 
-def _word(letters: NDArray[np.int32], P: Map) -> str:
-    """Return letters as text, as :func:`grazing.orbits.word.word` writes them, but neither rotated nor shortened."""
-    if isinstance(P.letters, Alphabet):
-        return "".join(P.letters.symbol(int(k)) for k in letters)
-    if P.letters is not None:
-        return "".join(P.letters[k] for k in letters)
-    named = {CHATTER_LETTER: "C", STUCK_LETTER: "S"}
-    return "".join(named.get(int(k), str(k) if k < 10 else f"({k})") for k in letters)
-
-
 def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: dict[str, Any]) -> xr.Dataset:
     """Return the pieces as a labelled table."""
     from grazing.late import xarray as xr
@@ -285,7 +274,7 @@ def _dataset(saddle: Saddle, grown: list[Grown], branches: list[Branch], about: 
         rows += [one.piece.state] if last else [one.piece.state, gap]
         seeds += [one.seed] if last else [one.seed, gap[0, :1]]
         piece.append(np.full(len(one.piece.state) + (not last), number))
-    words = np.array([_word(one.piece.letters, P) for one in grown], dtype=object)
+    words = np.array([spelled(one.piece.letters, P.letters) for one in grown], dtype=object)
     count, state = {"units": "1"}, P.origin.units_of(P.coordinates)
     ends = "; ".join(f"{end}: {said}" for end, said in ENDS.items())
     points = np.repeat(np.arange(orbit.period), 2)

@@ -128,7 +128,18 @@ def word(letters: Iterable[int], symbols: str | Alphabet | None = None) -> str:
     >>> word((12, 0))
     '0(12)'
     """
-    return "".join(_symbol(letter, symbols) for letter in least_rotation(primitive(letters)))
+    return spelled(least_rotation(primitive(letters)), symbols)
+
+
+def spelled(letters: Iterable[int], symbols: str | Alphabet | None = None) -> str:
+    """Return letters as text, as :func:`word` writes them, but neither rotated nor shortened.
+
+    Examples
+    --------
+    >>> spelled((1, 0, 0, 1, 0, 0), "LR")
+    'RLLRLL'
+    """
+    return "".join(_symbol(int(letter), symbols) for letter in letters)
 
 
 def letters_of(text: str, symbols: str | Alphabet | None = None) -> tuple[int, ...]:
@@ -240,7 +251,7 @@ def words(letters: str | int, length: int, impacts: int | None = None) -> tuple[
         raise InputError(
             f"there are more than {MANY} words; give a shorter length ({longest}) or fewer impacts ({most})"
         )
-    return tuple("".join(_symbol(letter, symbols) for letter in one) for one in found)
+    return tuple(spelled(one, symbols) for one in found)
 
 
 def _lyndon(n: int, count: int, most: int | None) -> Iterator[tuple[int, ...]]:

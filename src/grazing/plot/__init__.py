@@ -28,11 +28,13 @@ from grazing.plot.trajectory import trajectory
 from grazing.plot.tree import tree
 from grazing.plot.validity import validity
 from grazing.plot.windows import windows
+from grazing.plot.word_statistics import word_statistics
 from grazing.plot.zdm import zdm
 
 __all__ = [
     "animate", "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "escape",
     "figure", "graph", "graph_of", "grazes", "history", "ladder", "launches", "locus", "lyapunov", "manifolds",
     "map_graph", "orbit_diagram", "panels", "period_colour", "provenance", "provenance_of", "rendered", "response",
-    "save", "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows", "zdm",
+    "save", "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows", "word_statistics",
+    "zdm",
 ]  # fmt: skip

@@ -138,8 +138,9 @@ class Runs:
 
     @property
     def drawn(self) -> bool:
-        """Whether starts are drawn from the map's own box, so that nobody has chosen where."""
-        return isinstance(self.settings.starts, int) and self.settings.box is None
+        """Whether starts are drawn from the map's own box, where its orbits are to be, so that nobody has chosen."""
+        own = isinstance(self.settings.starts, int) and self.settings.box is None
+        return own and not self.P.origin.starts_only
 
     @property
     def variables(self) -> dict[str, Variable]:
