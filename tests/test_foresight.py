@@ -21,11 +21,14 @@ from grazing.studies.plan import run_plan
 #: Sizes that no machine has room for, of what is held in memory. (Steps that pass by only take time.)
 HUGE = 10**13
 HELD = {"starts", "keep", "bins"}
-#: What varies, in commands that are otherwise complete: a gap map, which needs no compiler worth speaking of.
+#: What varies, in commands that are otherwise complete: a gap map, which needs no compiler worth speaking of; of two
+#: coordinates an oscillator.
 COMMANDS = {
     "diagram": "mu=0:0.1:4", "density": "mu=0:0.1:4", "chart": "mu=0:0.1:3 l=0:0.1:3", "basins": "x=0:0.1:4 mu=0.1",
-    "lyapunov": "mu=0:0.1:4", "coexistence": "mu=0:0.1:4", "statistics": "mu=0:0.1:4",
+    "lyapunov": "mu=0:0.1:4", "coexistence": "mu=0:0.1:4", "statistics": "mu=0:0.1:4", "portrait": "d=0.1",
 }  # fmt: skip
+GAP = "--map gap --lam 0.8"
+MADE = {"chart": GAP, "portrait": ""}
 #: Megabytes at the most, of this process alone: what ``getrusage`` says begins with that of the one that started it.
 PEAK = """
 def peak():
@@ -52,10 +55,9 @@ pytestmark = pytest.mark.skipif(not Path("/proc/self/status").exists(), reason="
 
 
 def sizes(study):
-    """What a study holds in memory; a density uses its points up as they come."""
-    return [
-        name for name in settings_of(study).model_fields if name in HELD - ({"keep"} if study == "density" else set())
-    ]
+    """What a study holds in memory; a density and a portrait use their points up as they come."""
+    passing = {"keep"} if study in ("density", "portrait") else set()
+    return [name for name in settings_of(study).model_fields if name in HELD - passing]
 
 
 def test_every_study_has_its_command_here():
@@ -66,7 +68,7 @@ def test_every_study_has_its_command_here():
 def test_no_size_is_allocated_before_it_is_refused():
     """Each study with each of its sizes out of all proportion, run and dry, in a process of little memory."""
     lines = [
-        f"{study} {varies} --map gap --lam 0.8 {'' if study == 'chart' else '--l 0.1'} -q --{size} {HUGE}{dry}"
+        f"{study} {varies} {MADE.get(study, GAP + ' --l 0.1')} -q --{size} {HUGE}{dry}"
         for study, varies in COMMANDS.items()
         for size in sizes(study)
         for dry in ("", " --dry-run")
@@ -89,6 +91,9 @@ def examples(cells=40, starts=60):
     yield plans.chart(G, {"mu": x, "l": x[::4]}, starts=8, transient=50, keep=100, exponent_steps=20)
     yield plans.lyapunov(G, "mu", x, starts=starts, transient=50, keep=200, steps=50)
     yield plans.coexistence(G, "mu", x, starts=starts, transient=50, keep=200)
+    yield plans.portrait(
+        gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4)), starts=starts, transient=5, keep=3000, bins=900
+    )
     yield plans.word_statistics(G, "mu", x, starts=starts, transient=50, keep=300)
     yield plans.basins(G, {"x": np.linspace(-1, 1, 20_000)}, transient=50, keep=64)
 
@@ -219,8 +224,8 @@ CALLS = {
     "response": dict(P=gz.stroboscopic_map(m), name="d", values=v - 0.3),
     "sensitivity": dict(model=m, name="d", N=2), "trajectory": dict(model=m, state=(0.1, 0.0)),
     "validity": dict(model=m, params={"d": v, "V": v}), "windows": dict(model=m, name="d", N=2),
-    "word_statistics": dict(P=G), "words": dict(letters=2, length=3, impacts=2),
-    "zero_one": dict(series=np.sin(np.arange(200.0))),
+    "portrait": dict(P=gz.stroboscopic_map(m)), "word_statistics": dict(P=G),
+    "words": dict(letters=2, length=3, impacts=2), "zero_one": dict(series=np.sin(np.arange(200.0))),
 }
 """
 #: Each call with each of its whole numbers out of all proportion, stopped by an interrupt after half a second.
@@ -268,7 +273,7 @@ PASSING = {
     ("bifurcation_diagram", "period"), ("bifurcation_diagram", "points"),
     ("continuation", "limit"), ("continuation", "points"),
     ("density", "keep"), ("ladder", "last"), ("lyapunov", "steps"),
-    ("manifolds", "steps"), ("response", "period"), ("response", "points"), ("words", "impacts"),
+    ("manifolds", "steps"), ("portrait", "keep"), ("response", "period"), ("response", "points"), ("words", "impacts"),
 }  # fmt: skip
 
 

@@ -103,6 +103,7 @@ _PUBLIC = {
     "graph": "studies.graph",
     "lyapunov": "studies.lyapunov",
     "orbit_diagram": "studies.orbit_diagram",
+    "portrait": "studies.portrait",
     "zero_one": "studies.zero_one",
     "sample": "signals.sample",
     "spectrum": "signals.spectrum",
@@ -218,6 +219,7 @@ if TYPE_CHECKING:
     from grazing.studies.graph import graph as graph
     from grazing.studies.lyapunov import lyapunov as lyapunov
     from grazing.studies.orbit_diagram import orbit_diagram as orbit_diagram
+    from grazing.studies.portrait import portrait as portrait
     from grazing.studies.word_statistics import word_statistics as word_statistics
     from grazing.studies.zero_one import zero_one as zero_one
     from grazing.systems.contract import Surface as Surface

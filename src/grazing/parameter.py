@@ -158,19 +158,19 @@ def refuse_ends(low: float, high: float, said: str) -> None:
         raise InputError(f"{said}; the ends are so far apart that no double holds how far")
 
 
-def checked_box(box: object, coordinates: Sequence[str]) -> tuple[tuple[float, float], ...]:
+def checked_box(box: object, coordinates: Sequence[str], what: str = "box") -> tuple[tuple[float, float], ...]:
     """Return a box as pairs of floats, one per coordinate, or raise InputError."""
     wanted = f"give one (low, high) for each of {', '.join(coordinates)}"
     try:
         pairs = [(low, high) for low, high in box]  # type: ignore[attr-defined]
     except (TypeError, ValueError):
-        raise InputError(f"box is {shown(box)}; {wanted}") from None
+        raise InputError(f"{what} is {shown(box)}; {wanted}") from None
     if len(pairs) != len(coordinates):
-        raise InputError(f"box has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
+        raise InputError(f"{what} has {len(pairs)} intervals for {len(coordinates)} coordinates; {wanted}")
     checked = []
     for (low, high), name in zip(pairs, coordinates, strict=True):
-        low, high = (real(end, f"box of {name}", "finite ends") for end in (low, high))
-        refuse_ends(low, high, f"box of {name} is ({low:g}, {high:g})")
+        low, high = (real(end, f"{what} of {name}", "finite ends") for end in (low, high))
+        refuse_ends(low, high, f"{what} of {name} is ({low:g}, {high:g})")
         checked.append((low, high))
     return tuple(checked)
 

@@ -6,6 +6,7 @@ from grazing.studies.coexistence import plan as coexistence
 from grazing.studies.density import plan as density
 from grazing.studies.lyapunov import plan as lyapunov
 from grazing.studies.orbit_diagram import plan as orbit_diagram
+from grazing.studies.portrait import plan as portrait
 from grazing.studies.word_statistics import plan as word_statistics
 
-__all__ = ["basins", "chart", "coexistence", "density", "lyapunov", "orbit_diagram", "word_statistics"]
+__all__ = ["basins", "chart", "coexistence", "density", "lyapunov", "orbit_diagram", "portrait", "word_statistics"]

@@ -113,7 +113,7 @@ def test_studies_of_maps_take_a_table(capsys, folder):
         (["launches", "--table", "classic", "place=1:2:3"], "unknown coordinate; allowed are angle, speed"),
         (["launches", "--table", "classic", "--map", "collision"], "--map = 'collision'; allowed are launch"),
         (["basins", "--table", "classic", "--map", "impact"], "allowed are collision, launch, stroboscopic"),
-        (["basins", "--table", "classic", "--map", "stroboscopic"], "the table has no period"),
+        (["basins", "--table", "own.toml", "--map", "stroboscopic"], "a recording or a strategy, which have no period"),
         (["basins", "--map", "launch"], "map = 'launch'; allowed are stroboscopic"),
         (["windows", "--table", "classic", "rho=0.1:0.2", "--N", "3"], "windows is offered for oscillators only"),
         (["response", "--table", "classic", "rho=0.1:0.2:3"], "a response is that of an oscillator"),

@@ -204,6 +204,7 @@ def calls():
         "grazing_curve": dict(model=t.m, phase=0.0, preimages=0, points=20, box=None),
         "ladder": dict(model=t.m, name="d", N=3, rungs=("gap",), span=None, last=3),
         "locus": dict(special=t.special, names=("d", "V"), bounds=((0.08, 0.14), (0.39, 0.41)), step=0.1, limit=20),
+        "portrait": dict(P=maps[1][0], across="u", up="v", bins=5, within=((0.0, 1.0), (-1.0, 1.0)), **SMALL),
         "word_statistics": dict(P=t.G, name="mu", values=MU, length=2, most=3, **SMALL),
         "lyapunov": dict(P=t.G, name="mu", values=MU, steps=10, **SMALL),
         "manifolds": dict(orbit=t.saddle, side="unstable", length=0.1, spacing=0.1, box=None, steps=5),
@@ -294,6 +295,7 @@ def calls():
         "plot.density": dict(result=results.density(bins=5)),
         "plot.lyapunov": dict(result=results.lyapunov()),
         "plot.coexistence": dict(result=results.coexistence()),
+        "plot.portrait": dict(result=gz.portrait(maps[1][0], bins=5, **SMALL)),
         "plot.word_statistics": dict(result=gz.word_statistics(t.G, length=2, **SMALL)),
     }
     both = {"coexistence", "chart", "lyapunov", "density", "orbit_diagram"}

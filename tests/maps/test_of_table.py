@@ -186,15 +186,90 @@ def test_words_name_objects_and_are_read_again():
             names.symbol(code)
 
 
-@pytest.mark.parametrize("player", [None, "presses", "strategy"])
+FREE = gz.table(
+    [
+        gz.disc("A", (2.0, 6.0), 0.5, gz.active(r=0.9, V=0.4)),
+        gz.segment("left", (0.0, 10.0), (0.0, 0.0), gz.newton(0.9)),
+        gz.segment("right", (6.0, 0.0), (6.0, 10.0), gz.newton(0.9)),
+        gz.segment("top", (0.0, 10.0), (6.0, 10.0), gz.newton(0.9)),
+        gz.segment("floor", (0.0, 0.3), (6.0, 0.0), gz.active(r=0.8, V=2.5)),
+    ],
+    rho=0.1,
+    tilt=0.5,
+)  # fmt: skip
+
+
+def test_a_table_that_nothing_works_is_seen_at_equal_times():
+    state, seen = (3.0, 8.0, 0.7, 0.0), []
+    for period in (0.3, 0.6):
+        P = gz.stroboscopic_map(FREE, period=period)
+        assert (P.params["period"], P.describe("period").meaning) == (period, "time from one strobe to the next")
+        seen.append(P.orbit(state, int(24.0 / period)))
+    np.testing.assert_allclose(seen[0].points[::2], seen[1].points, atol=1e-8)
+    flights = gz.trajectory(FREE, state, until=24.0)
+    for orbit in seen:
+        hit = [name for k in orbit.letters for name in P.letters.symbol(int(k)).strip("()").split("-") if name != "0"]
+        assert hit == flights.impact_wall.values.tolist() and len(hit) > 5
+    gz.testing.check_map(P, states=4, steps=3)
+    J, here = P.jacobian(state), np.array(state)
+    D = np.array([(P(here + h)[0] - P(here - h)[0]) / 2e-6 for h in 1e-6 * np.eye(4)]).T
+    np.testing.assert_allclose(J, D, atol=1e-5 * np.abs(J).max())
+    moved = P.replace(period=0.45)
+    assert moved.params["period"] == 0.45 and (moved(state)[0] != P(state)[0]).any()
+    row, after = list(P.params.values()), P(state)
+    assert P.origin.settle(row, state).letter == after[1]
+    np.testing.assert_allclose(P.origin.settle(row, state).state, after[0], atol=1e-11)
+
+
+def test_exponents_per_time_are_those_of_the_map_from_impact_to_impact():
+    law = gz.newton(1.0)
+    corners = [(0.0, 0.0), (0.0, 3.0), (4.0, 3.0), (4.0, 0.0), (0.0, 0.0)]
+    box = [gz.segment("abcd"[i], *corners[i : i + 2], law) for i in range(4)]
+    table = gz.table([gz.disc("D", (2.0, 1.5), 0.8, law), *box], rho=0.05)  # a Sinai billiard
+    P, S = gz.collision_map(table), gz.stroboscopic_map(table, period=0.7)
+    hit = gz.lyapunov(P, starts=[(0.4, 0.3, 1.0)], transient=50, steps=20_000)
+    seen = gz.lyapunov(S, starts=[(0.6, 0.7, 0.6, 0.8)], transient=50, steps=20_000)
+    free = np.pi * (3.9 * 2.9 - np.pi * 0.85**2) / (2 * (3.9 + 2.9) + 2 * np.pi * 0.85)  # Santalo's mean free path
+    first, second = float(hit.exponent[0, 0]) / free, float(seen.exponent_per_time[0, 0])
+    errors = float(hit.exponent_error[0, 0]) / free, float(seen.exponent_error[0, 0]) / 0.7
+    assert abs(first - second) < 5.0 * np.hypot(*errors) < 0.2 * first
+    assert float(seen.return_time[0]) == pytest.approx(0.7)
+
+
+def test_the_usual_period_has_the_units_of_the_table():
+    assert gz.stroboscopic_map(FREE).params["period"] == pytest.approx(
+        np.hypot(6.0, 10.0) / 20.0 / np.sqrt(2.0 * FREE.gravity * 10.0)
+    )
+
+
+@pytest.mark.parametrize("player", ["presses", "strategy"])
 def test_a_table_without_a_period_is_refused(player):
     made = {
-        None: {},
         "presses": {"player": gz.presses(L=[0.1, 0.2])},
         "strategy": {"player": gz.strategy(lambda state, p: True, {"L": ((1.0, 3.0), (3.0, 3.0))}, hold=0.2)},
     }[player]
     flipper = gz.flipper("L", (1.0, 1.0), 1.0, 0.1, -0.5, 0.5, gz.newton(0.5), up=9.0, down=9.0)
-    with pytest.raises(gz.InputError, match="the table has no period"):
+    with pytest.raises(gz.InputError, match="a recording or a strategy, which have no period"):
         gz.stroboscopic_map(gz.table([flipper], rho=0.1, tilt=0.3, **made))
-    with pytest.raises(gz.InputError, match="phase"):
-        gz.stroboscopic_map(pair(FLIPS), 1e300)
+
+
+@pytest.mark.parametrize(
+    ("of", "given", "says"),
+    [
+        (pair(FLIPS), {"phase": 1e300}, "phase"),
+        (pair(FLIPS), {"period": 1.0}, "this table has one, flips.period = 0.9"),
+        (FREE, {"phase": 0.2}, "nothing on this table moves"),
+        (FREE, {"period": 0.0}, "period = 0"),
+        (gz.pinball(), {"period": 1.0}, "that of an oscillator or a system is its own"),
+    ],
+)
+def test_what_else_is_refused(of, given, says):
+    with pytest.raises(gz.InputError, match=says):
+        gz.stroboscopic_map(of, **given)
+
+
+@pytest.mark.parametrize("turn", [0, 1])
+def test_starts_have_room_where_all_objects_lie_on_one_line(turn):
+    ends = [(-2.0, 1.0), (4.0, 1.0)] if not turn else [(1.0, -2.0), (1.0, 4.0)]
+    box = gz.stroboscopic_map(gz.table([gz.drain("out", *ends)], tilt=0.3)).box
+    assert box[:2] == (((-2.0, 4.0), (1.0, 7.0)) if not turn else ((-2.0, 4.0), (-2.0, 4.0)))

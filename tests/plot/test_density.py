@@ -9,7 +9,7 @@ from matplotlib.colors import LogNorm, Normalize
 import grazing as gz
 from grazing import plot
 from grazing.outcome import InputError
-from grazing.plot.density import _pooled as pooled
+from grazing.plot.density import pooled
 from tests.plot import results
 
 

@@ -11,8 +11,9 @@ import xarray as xr
 
 import grazing as gz
 from grazing import memory
-from grazing.studies.density import BLOCK, ROOM, compiled_raster, density, plan, raster
+from grazing.studies.density import BLOCK, compiled_raster, density, plan, raster
 from grazing.studies.orbit_diagram import orbit_diagram
+from grazing.studies.trial import ROOM
 from tests.studies.maps import FOLLOWER, HENON, LOGISTIC
 
 GAP = gz.gap_map(0.9, 0.1, 0.0)

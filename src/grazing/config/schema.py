@@ -31,7 +31,7 @@ MAPS = {
 TABLE_MAPS = {
     "collision": "of a table, from impact to impact",
     "launch": "of a table, a launch to its way out",
-    "stroboscopic": "of a table with [flips], the ball once per period of these",
+    "stroboscopic": "of a table, the ball once per period of its flips, or every so much time: period",
 }
 
 

@@ -83,6 +83,11 @@ SETTINGS: dict[str, Callable[[str, Any], Any]] = {
     "bins": _whole(1, "pixels along the coordinate"),
     "coordinate": _text("coordinate that is counted; the first one if not given"),
     "range": _setting(values.pair, PAIR, "low:high of the coordinate; found from the orbits if not given"),
+    "within": _setting(
+        values.pairs,
+        {"type": "array", "items": PAIR, "minItems": 2, "maxItems": 2},
+        "what is shown: low:high across, then up; found from the orbits if not given",
+    ),
     "steps": _whole(1, "steps along which exponents are averaged; of a cobweb, those that are drawn"),
     "exponent_steps": _whole(1, "steps along which the exponent of each attractor is averaged, at most 1000000"),
     "fixed": _setting(
@@ -170,7 +175,7 @@ def text_of(name: str, value: Any) -> str:
         return ",".join(f"{key}={text_of(form, item)}" for key, item in value.items())
     if not isinstance(value, (list, tuple)):
         return str(value)
-    if name == "box":
+    if name in ("box", "within"):
         return ",".join(text_of("range", item) for item in value)
     if name == "starts":
         return ";".join(text_of("", item) for item in value) + (";" if len(value) == 1 else "")

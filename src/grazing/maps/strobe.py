@@ -1,4 +1,4 @@
-"""A period of a table whose flippers are worked periodically, from strobe to strobe, as kernels take it.
+"""A step of a table in time, from strobe to strobe, as kernels take it.
 
 A ball that slides or rests at a strobe touches a surface up to rounding, and is found on it again: that is no
 coordinate.
@@ -26,7 +26,7 @@ from grazing.billiard.carried import (
 )
 from grazing.billiard.contact import NONE, SLIDES, jammed, next_event, slid_on
 from grazing.billiard.elements import bend_of, element, normal_of, slid
-from grazing.billiard.hit import away_of, flown, period_of, slope_of, way_at
+from grazing.billiard.hit import away_of, flown, slope_of, way_at
 from grazing.billiard.ride import carried_to
 from grazing.billiard.rows import GRAVITY
 from grazing.billiard.slide import pressing
@@ -42,13 +42,14 @@ BEYOND = 3.0
 
 
 class Strobe(NamedTuple):
-    """What a kernel needs of a strobe: the address of the table's block, the phase, and how far the table reaches.
+    """What a kernel needs of a strobe: the address of the table's block, the phase, the time between two strobes.
 
-    ``most`` is how many impacts a letter can tell apart.
+    ``reach`` is how far the table reaches, ``most`` how many impacts a letter can tell apart.
     """
 
     block: Any
     phase: float
+    period: float
     reach: float
     most: float
 
@@ -121,8 +122,9 @@ def kicked(d: Any, before: Any, after: Any, speeds: Any, force: Any, bend: float
         one[DX], one[DY], one[DVX], one[DVY] = dx, dy, dvx, dvy
 
 
-def strobed(state: Any, phase: float, reach: float, most: int, table: Any, d: Any, with_tangent: bool) -> Any:
+def strobed(state: Any, c: Strobe, table: Any, d: Any, with_tangent: bool) -> Any:
     """Return (state, letter, outcome) one period later; ``d`` is room for four columns of derivatives, J by columns."""
+    phase, T, reach, most = c.phase, c.period, c.reach, int(c.most)
     way = way_from(state, reach, table)
     if way >= 0:
         return left_by(way, reach), way + 1, ESCAPED
@@ -130,7 +132,7 @@ def strobed(state: Any, phase: float, reach: float, most: int, table: Any, d: An
         one = behind(d, OF_GATES * k)
         for i in range(OF_GATES):
             one[i] = 1.0 if i == k else 0.0  # of x, y, vx, vy; the clock is not ahead
-    T, t, left, letter, hits, flags, (x, y, vx, vy) = period_of(table), 0.0, -1.0, 0, 0, OK, state
+    t, left, letter, hits, flags, (x, y, vx, vy) = 0.0, -1.0, 0, 0, OK, state
     for _ in range(SLIDES):
         clock = phase + t
         last = slid_on(left, clock, table)
@@ -177,7 +179,7 @@ def slopes(state: Any, c: Strobe, table: Any) -> Any:
     """Return (state, letter, outcome, J) one period later."""
     work = np.empty(4 * OF_GATES)
     d = numbers(work)
-    new, letter, outcome = strobed(state, c.phase, c.reach, int(c.most), table, d, True)
+    new, letter, outcome = strobed(state, c, table, d, True)
     J = NOTHING if outcome & ESCAPED else LOST
     if not outcome & (FATAL | ESCAPED | GRAZE | AMBIGUOUS):
         for k in range(4):
@@ -191,7 +193,7 @@ def slopes(state: Any, c: Strobe, table: Any) -> Any:
 def step(state: Any, c: Strobe) -> Any:
     """Return (state, letter, outcome) one period later, of a table whose block lies at an address."""
     table = numbers_at(c.block)
-    return strobed(state, c.phase, c.reach, int(c.most), table, table, False)
+    return strobed(state, c, table, table, False)
 
 
 def tangent(state: Any, c: Strobe) -> Any:
@@ -202,7 +204,7 @@ def tangent(state: Any, c: Strobe) -> Any:
 
 def plain(state: Any, c: Strobe) -> Any:
     """Return what :func:`step` does, as plain Python takes it: it has the block itself."""
-    return strobed(state, c.phase, c.reach, int(c.most), c.block, c.block, False)
+    return strobed(state, c, c.block, c.block, False)
 
 
 def plain_tangent(state: Any, c: Strobe) -> Any:

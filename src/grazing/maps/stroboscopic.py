@@ -27,7 +27,7 @@ from grazing.oscillator.model import checked_model, checked_phase
 from grazing.oscillator.pointed import POINTED
 from grazing.oscillator.rig import Rig
 from grazing.oscillator.walled import Walled
-from grazing.outcome import CHATTER, defined, told
+from grazing.outcome import CHATTER, InputError, defined, shown, told
 from grazing.parameter import parameters
 from grazing.pool import Task
 from grazing.systems.contract import System
@@ -114,16 +114,20 @@ class Strobed(OfOscillator):
         return said[0] if said else f"the reset law {law.name} returned what it must not{defined(law.law)}"
 
 
-def stroboscopic_map(model: Rig | System | Table, phase: float = 0.0) -> Map:
+def stroboscopic_map(model: Rig | System | Table, phase: float = 0.0, period: float | None = None) -> Map:
     """Return the oscillator as a map: its state once per period of the forcing.
 
     Parameters
     ----------
     model : Oscillator, System or Table
         Any model, such as :func:`grazing.pinball`; a system of your own that has a period; or a table whose flippers
-        are worked periodically, by :func:`grazing.flips`.
+        are worked periodically, by :func:`grazing.flips`, or not at all.
     phase : float
         Time of the section, from t = 0; any finite number, taken modulo the period.
+    period : float, optional
+        Of a table on which nothing moves but the ball, the time from one strobe to the next, > 0: a parameter of the
+        map. None for a twentieth of the time in which a ball as fast as a fall over the table crosses it. Others have
+        a period of their own.
 
     Returns
     -------
@@ -137,7 +141,8 @@ def stroboscopic_map(model: Rig | System | Table, phase: float = 0.0) -> Map:
     Raises
     ------
     InputError
-        For anything else, a table without a period, or a phase so late that a double has none.
+        For anything else, a table whose flippers are worked by a recording or a strategy, a period of what has its own,
+        or a phase so late that a double has none.
 
     Examples
     --------
@@ -147,10 +152,12 @@ def stroboscopic_map(model: Rig | System | Table, phase: float = 0.0) -> Map:
     >>> orbit.letters[-6:].tolist()
     [1, 0, 0, 1, 0, 0]
     """
+    if isinstance(model, Table):
+        return map_of_table(model, phase, period)
+    if period is not None:
+        raise InputError(f"period is {shown(period)}; that of an oscillator or a system is its own: leave it out")
     if isinstance(model, System):
         return map_of_system(model, phase)
-    if isinstance(model, Table):
-        return map_of_table(model, phase)
     if isinstance(model, Walled):
         return walled_map(model, checked_phase(model, phase))
     model = checked_model(model)

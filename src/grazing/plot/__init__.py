@@ -19,6 +19,7 @@ from grazing.plot.lyapunov import lyapunov
 from grazing.plot.manifold import manifolds
 from grazing.plot.map_graph import graph_of, map_graph
 from grazing.plot.orbit_diagram import orbit_diagram
+from grazing.plot.portrait import portrait
 from grazing.plot.provenance import provenance, provenance_of
 from grazing.plot.response import response
 from grazing.plot.spectrum import spectrum
@@ -34,7 +35,7 @@ from grazing.plot.zdm import zdm
 __all__ = [
     "animate", "basins", "bifurcation_diagram", "branch", "chart", "cobweb", "coexistence", "density", "escape",
     "figure", "graph", "graph_of", "grazes", "history", "ladder", "launches", "locus", "lyapunov", "manifolds",
-    "map_graph", "orbit_diagram", "panels", "period_colour", "provenance", "provenance_of", "rendered", "response",
-    "save", "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows", "word_statistics",
-    "zdm",
+    "map_graph", "orbit_diagram", "panels", "period_colour", "portrait", "provenance", "provenance_of", "rendered",
+    "response", "save", "spectrum", "styled", "table", "trajectory", "tree", "validity", "windows",
+    "word_statistics", "zdm",
 ]  # fmt: skip

@@ -68,7 +68,7 @@ def density(
     name, coordinate = expect(result, "density", {"count": ("<parameter>", "<coordinate>")})
     choice(units, "units", ("share", "count"))
     values, where = ordered(result[name].values)
-    count, columns, bins = _pooled(np.asarray(result["count"].values), where)
+    count, columns, bins = pooled(np.asarray(result["count"].values), where)
     sides = (result[side].values[where] for side in ("below", "above") if side in result)
     outside = np.add.reduceat(sum(sides, np.zeros(where.size)), columns)
     total = count.sum(axis=1) + outside
@@ -78,10 +78,10 @@ def density(
         ax = axes_along(ax, DOUBLE, 80.0, values)
         scale = norm_of(norm, count)
         shown = np.ma.masked_less_equal(count.astype(np.float32), 0.0)
-        x, y = edges_of(values, ax.xaxis), _bins(result[coordinate])
+        x, y = edges_of(values, ax.xaxis), bins_of(result[coordinate])
         image = raster(
             ax,
-            *refined(ax, _kept(x, columns), _kept(y, bins), shown),
+            *refined(ax, kept(x, columns), kept(y, bins), shown),
             smooth=True,
             norm=scale,
             cmap=cmap if cmap is not None else paper_map(),
@@ -89,12 +89,12 @@ def density(
         ax.set(xlim=(x[0], x[-1]), ylim=(y[0], y[-1]))
         name_single(ax.xaxis, values)
         ax.set(xlabel=symbol(result[name]), ylabel=symbol(result[coordinate]))
-        drawn = _bar(ax, image, units) if bar else None
-        note = _note(ax, float(outside.sum()), float(total.sum()), result)
+        drawn = bar_beside(ax, image, units) if bar else None
+        note = said_beside(ax, float(outside.sum()), float(total.sum()), result)
     return {"figure": root(ax), "image": image, "bar": drawn, "note": note, "provenance": provenance_of(result)}
 
 
-def _pooled(counts: NDArray[Any], where: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
+def pooled(counts: NDArray[Any], where: NDArray[np.intp]) -> tuple[Floats, NDArray[np.intp], NDArray[np.intp]]:
     """Return counts in the order of the values, and the first column and the first bin of every cell that is drawn.
 
     A page has some thousand dots: where there are more columns or bins, neighbours are drawn as one, so that drawing
@@ -108,7 +108,7 @@ def _pooled(counts: NDArray[Any], where: NDArray[np.intp]) -> tuple[Floats, NDAr
     return found, columns, bins
 
 
-def _kept(edges: Floats, first: NDArray[np.intp]) -> Floats:
+def kept(edges: Floats, first: NDArray[np.intp]) -> Floats:
     """Return the edges of cells that begin at these ones; even ones stay even, so that the last may reach too far."""
     if first.size == edges.size - 1 or not is_even(edges):
         return np.append(edges[first], edges[-1])
@@ -121,14 +121,15 @@ def paper_map() -> ListedColormap:
     return ListedColormap(matplotlib.colormaps["magma_r"](np.linspace(0.1, 1.0, 256)), name="density")
 
 
-def _bins(coordinate: Any) -> Any:
+def bins_of(coordinate: Any) -> Any:
     """Return the edges of the bins: the ends of the raster are kept, for the sake of rounding."""
     centres = np.asarray(coordinate.values, np.float64)
     low, high = (coordinate.attrs.get(end) for end in ("low", "high"))
     return edges_of(centres) if low is None or high is None else np.linspace(float(low), float(high), centres.size + 1)
 
 
-def _bar(ax: Axes, image: Any, units: str) -> Any:
+def bar_beside(ax: Axes, image: Any, units: str) -> Any:
+    """Draw the bar of the colours beside axes."""
     drawn = root(ax).colorbar(image, ax=ax, pad=0.015, fraction=0.05, aspect=30)
     drawn.outline.set_linewidth(0.4)
     drawn.set_label("points per bin" if units == "count" else "share of the points per bin")
@@ -155,7 +156,7 @@ def plain(value: float, _place: Any = None) -> str:
     return f"${power}$" if float(digit) == 1.0 else rf"${float(digit):g}\times {power}$"
 
 
-def _note(ax: Axes, outside: float, total: float, result: Any) -> Any:
+def said_beside(ax: Axes, outside: float, total: float, result: Any) -> Any:
     """Say above the axes what the raster does not show."""
     said = []
     if outside > 0.0:

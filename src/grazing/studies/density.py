@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Iterator, Sequence
 from functools import lru_cache, partial
 from math import floor
@@ -14,11 +13,12 @@ from numpy.typing import ArrayLike, NDArray
 from grazing.kernel.compile import call, compiled
 from grazing.maps.map import Map
 from grazing.memory import refuse_too_large
-from grazing.outcome import AMBIGUOUS, FATAL, InputError, level_outside, shown
+from grazing.outcome import AMBIGUOUS, FATAL, InputError, shown
 from grazing.parameter import checked_name, in_order, real, whole
 from grazing.studies import labels
 from grazing.studies.plan import Arrays, Plan, Progress, Variable, planned
 from grazing.studies.runs import Runs, checked_map, checked_runs, describe_values
+from grazing.studies.trial import trial_ranges
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -27,10 +27,6 @@ Ints = NDArray[np.int64]
 TAKEN = ("count", "below", "above", "ended", "ambiguous", "outside")
 #: Points whose places in the raster are found together, in a loop that vectorises.
 BLOCK = 64
-#: The raster reaches so much farther than the points of a trial, of their extent.
-ROOM = 0.05
-#: A trial looks at so many values, starts and steps, after at most so many: it precedes a dry run, too.
-TRIAL = 64, 20, 100, 1000
 #: Bytes that a bin takes: counts, while they are made and as they are stored, edges and centres.
 BIN = 8 * 6
 
@@ -102,7 +98,7 @@ def density(
     bins, i = whole(bins, "bins", 1), list(P.coordinates).index(seen)
     refuse_too_large(BIN * bins, f"reduce bins ({bins})", "one cell and the places of its bins")
     grid = runs.axes[name]
-    low, high = trial_range(runs, i) if range is None else checked_range(range)
+    low, high = trial_ranges(runs, [i], "range=(low, high)")[0] if range is None else checked_range(range)
 
     edges = np.linspace(low, high, bins + 1)
     ends = {"low": low, "high": high}
@@ -169,32 +165,6 @@ def checked_range(ends: object) -> tuple[float, float]:
     if not (-np.inf < low < high < np.inf and np.isfinite(high - low)):
         raise InputError(wanted)
     return low, high
-
-
-def trial_range(runs: Runs, i: int) -> tuple[float, float]:
-    """Return where a few orbits at some of the values have coordinate i, and a little more."""
-    (name, grid), settings = next(iter(runs.axes.items())), runs.settings
-    values, starts, steps, before = TRIAL
-    some = np.unique(np.linspace(0, len(grid) - 1, values).round().astype(np.int64))
-    few = min(settings.starts, starts) if isinstance(settings.starts, int) else settings.starts[:starts]
-    short = settings._replace(starts=few, transient=min(settings.transient, before), keep=min(settings.keep, steps))
-    trial = Runs(runs.P, {name: grid[some]}, short, runs.moving)
-    low, high = np.inf, -np.inf
-    with warnings.catch_warnings(record=True) as said:  # the study itself says what is wrong with a law
-        warnings.simplefilter("always")
-        for part in trial.pieces(np.arange(len(some))):
-            x = part.points[:, :, i]
-            seen = x[np.isfinite(x)]
-            if seen.size:
-                low, high = min(low, float(seen.min())), max(high, float(seen.max()))
-    if not low <= high:
-        for one in said:
-            warnings.warn(one.message, stacklevel=level_outside())
-        raise InputError("every orbit of a trial ended before its first point; give range=(low, high)")
-    room = ROOM * (high - low) or 1e-6 * max(abs(high), runs.P.box[i][1] - runs.P.box[i][0])
-    if not np.isfinite((high + room) - (low - room)):
-        raise InputError("the orbits of a trial have no range that a double holds; give range=(low, high)")
-    return low - room, high + room
 
 
 def raster(points: Any, i: int, low: float, high: float, bins: int, counts: Any) -> None:
