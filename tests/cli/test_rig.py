@@ -137,6 +137,14 @@ def test_a_study_in_gap_and_frequency_is_answered_in_them(capsys):
     assert "gr             12.92270452912 " in said and "special point  frequency (Hz)" in said
 
 
+def test_what_the_force_of_a_base_depends_on_is_refused_in_the_words_of_the_rig(capsys):
+    shaken = "m=0.8,c=2.4,k=3200,gap=1.2 mm,base=0.1 mm"
+    for given in (["frequency=10:12", "--si", shaken], ["c=1:3", "--si", f"{shaken},frequency=10"]):
+        assert main(["windows", *given, "--r", "0.8", "--samples", "4", "-q"]) == 2
+        said = capsys.readouterr().err
+        assert "on damper, spring and frequency" in said and not {"omega", "alpha"} & {*said.split()}
+
+
 def test_a_history_is_written_as_sound(capsys, tmp_path):
     from scipy.io import wavfile
 

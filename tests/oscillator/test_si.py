@@ -183,9 +183,9 @@ def test_a_model_with_a_base_at_another_frequency_is_the_one_made_there():
     P = gz.stroboscopic_map(model)
     with pytest.raises(gz.InputError, match="cos1 is made by the moving base"):
         gz.orbit_diagram(P, "cos1", [0.0, 1.0], starts=2)
-    with pytest.raises(gz.InputError, match="windows in omega does not know that the force of a base"):
+    with pytest.raises(gz.InputError, match="windows does not know that the force of a moving base"):
         gz.windows(model, "omega", N=1)
-    with pytest.raises(gz.InputError, match=r"sensitivity in .* does not know"):
+    with pytest.raises(gz.InputError, match="sensitivity does not know"):
         gz.sensitivity(model, "sigma", N=1, span=(-1e-3, -9e-4))
 
 
@@ -202,7 +202,7 @@ def test_a_base_drives_a_stiffness_as_it_drives_the_natural_frequency_of_the_sam
     rows[0][:, 1], rows[1][:, 1] = [50.0, 60.0, 70.0], [2500.0, 3600.0, 4900.0]
     made = [one.made_from_base(row) for one, row in zip((as_k, as_stiffness), rows, strict=True)]
     assert (np.delete(made[0], 1, axis=1) == np.delete(made[1], 1, axis=1)).all()
-    with pytest.raises(gz.InputError, match="does not know that the force of a base"):
+    with pytest.raises(gz.InputError, match="does not know that the force of a moving base"):
         as_stiffness.refuse_base("a proof", ["stiffness"])
 
 

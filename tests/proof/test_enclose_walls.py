@@ -136,6 +136,6 @@ def test_no_value_is_enclosed_that_the_force_of_a_base_depends_on():
     rig = gz.Oscillator.from_si(m=0.8, c=2.4, k=3200, base=1e-3, moves="both", frequency=14, walls=stops)
     orbit = found_in(rig, "(BA)")
     for name in ("omega", "alpha", "k", "cos1"):
-        with pytest.raises(gz.InputError, match="does not know that the force of a base depends on it"):
+        with pytest.raises(gz.InputError, match="does not know that the force of a moving base depends"):
             enclose(orbit, "gr", name)
     assert enclose(orbit, "gr", "A.sigma").title.startswith("gr of the periodic orbit")

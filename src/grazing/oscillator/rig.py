@@ -213,8 +213,8 @@ class Rig:
         """Raise InputError where something would change parameters that a base answers to, and keep its force."""
         if self.base is not None and not {*names}.isdisjoint(("alpha", "k", "stiffness", "omega", *self.base.made)):
             raise InputError(
-                f"{what} in {', '.join(names)} does not know that the force of a base depends on it; vary something "
-                "else, or follow orbits with gz.continuation"
+                f"{what} does not know that the force of a moving base depends on its motion, on damper, spring and "
+                "frequency; vary something else, or follow orbits with gz.continuation"
             )
 
     def changed(self, changes: Mapping[str, Any]) -> dict[str, float]:
