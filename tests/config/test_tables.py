@@ -94,7 +94,7 @@ def test_all_that_is_wrong_with_a_table_is_said_at_once(tmp_path):
     text = GOOD + "[flips]\nperiod = 2.0\n"
     for old, new in wrong:
         text = text.replace(old, new)
-    said = ["table.toml has 'size'", "rho = -0.1", "flips has no hold", "objects.A: A.radius", "objects.dome: r = 2"]
+    said = ["table.toml has 'size'", "rho = -0.1", "flips has no hold", "objects.A: radius", "objects.dome: r = 2"]
     with pytest.raises(gz.InputError) as refused:
         read(tmp_path, text)
     first, *lines = str(refused.value).splitlines()
@@ -104,6 +104,22 @@ def test_all_that_is_wrong_with_a_table_is_said_at_once(tmp_path):
         checked({"study": "escape", "table": str(tmp_path / "table.toml"), "settings": {"starts": 0}})
     message = str(refused.value)
     assert all(f"table: {part}" in message for part in said[1:]) and "starts" in message
+
+
+def test_all_that_is_wrong_with_one_object_is_said_at_once(tmp_path):
+    wrong = 'kind = "disc", x = inf, size = 1, law = "newton", r = 2.0 }'
+    with pytest.raises(gz.InputError) as refused:
+        read(
+            tmp_path, f'[objects]\n"A.x" = {{ {wrong}\nB = {{ law = 3, r = 1.0 }}\nC = {{ {wrong.replace("size", "y")}'
+        )
+    said = [
+        "objects.A.x has 'size'", "objects.A.x has no y", "objects.A.x has no radius", "objects.A.x: name of a disc is",
+        "objects.A.x: x = inf", "objects.A.x: r = 2", "objects.B.kind = None", "objects.B.law = 3",
+        "objects.C has no radius", "objects.C: x = inf", "objects.C: r = 2",
+    ]  # fmt: skip
+    first, *lines = str(refused.value).splitlines()
+    assert first == "there are 11 errors:"
+    assert [part for part, line in zip(said, lines, strict=True) if part in line] == said
 
 
 def test_a_name_of_no_table_is_told_from_a_file():

@@ -43,6 +43,16 @@ def numbers_of(kind: str, owner: str) -> dict[str, Parameter]:
     return {known.name: replace(known, name=f"{owner}.{known.name}") for known in GEOMETRY[kind]}
 
 
+def checked_name(name: Any, kind: str) -> str:
+    """Return the name of an object, or raise InputError."""
+    if not (isinstance(name, str) and name.isidentifier() and not name.startswith("_")):
+        raise InputError(
+            f"name of a {kind} is {shown(name)}; allowed are letters, digits and _, as in 'bumper1': it stands in "
+            "front of the parameters and in words"
+        )
+    return str(name)
+
+
 @dataclass(frozen=True, eq=False)
 class Thing(ByValue):
     """An object of a table; made by :func:`disc`, :func:`segment`, :func:`arc`, :func:`flipper` and :func:`drain`.
@@ -56,23 +66,19 @@ class Thing(ByValue):
     law: Reset | None = None
 
     def __post_init__(self) -> None:
-        if not (isinstance(self.name, str) and self.name.isidentifier() and not self.name.startswith("_")):
-            raise InputError(
-                f"name of a {self.kind} is {shown(self.name)}; allowed are letters, digits and _, as in 'bumper1': it "
-                "stands in front of the parameters and in words"
-            )
+        name = checked_name(self.name, self.kind)
         if self.kind != DRAIN and not isinstance(self.law, Reset):
             raise InputError(
                 f"law of {self.name} is {shown(self.law)}; give gz.newton(r), gz.active(r, V), "
                 "gz.triggered(r, V, trigger) or gz.reset(your_law, ...)"
             )
-        known, shape = numbers_of(self.kind, str(self.name)), checked_params(self.shape)
-        for name, value in shape.items():
-            known[name].check(value)
-        clash = [name for name in (self.law.params if self.law else ()) if name in known]
+        known, shape = numbers_of(self.kind, name), checked_params(self.shape)
+        for key, value in shape.items():
+            known[key].check(value)
+        clash = [key for key in (self.law.params if self.law else ()) if key in known]
         if clash:
             raise InputError(f"the law of {self.name} has a parameter {clash[0]!r}, as its shape has; rename it")
-        object.__setattr__(self, "name", str(self.name))
+        object.__setattr__(self, "name", name)
         object.__setattr__(self, "shape", MappingProxyType(shape))
         self._refuse_no_extent()
 

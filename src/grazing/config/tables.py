@@ -8,14 +8,15 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from grazing.billiard.objects import DRAIN, GEOMETRY, Thing
+from grazing.billiard.objects import DRAIN, GEOMETRY, Thing, checked_name
 from grazing.billiard.players import NOBODY, flips, presses
-from grazing.billiard.plunger import KNOWN, Plunger
+from grazing.billiard.plunger import KNOWN as OF_PLUNGER
+from grazing.billiard.plunger import Plunger
 from grazing.billiard.strategy import Player
 from grazing.billiard.table import OWN, Table, table
-from grazing.config.problems import Problem, refusal
+from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.toml import read_toml
-from grazing.oscillator.reset import Reset, active, newton, triggered
+from grazing.oscillator.reset import KNOWN, Reset, active, newton, triggered
 from grazing.outcome import InputError, abridged, listed, shown
 
 #: Where the tables lie that ship with the library.
@@ -29,16 +30,37 @@ def shipped() -> list[str]:
     return sorted(path.stem for path in HOME.glob("*.toml"))
 
 
+class _Tried:
+    """Makes parts of a table, and keeps all that is wrong with them."""
+
+    def __init__(self) -> None:
+        self.faults: list[Problem] = []
+
+    def __call__(self, make: Callable[..., Any], *given: Any, at: str = "") -> Any:
+        """Return what is made; nothing, and keep what is said of it, of what is refused."""
+        try:
+            return make(*given)
+        except Refusal as error:
+            self.faults += error.problems
+        except InputError as error:
+            said = str(error)
+            self.faults.append(Problem((), said if said.startswith(at) else f"{at}: {said}"))
+
+    def refuse(self) -> None:
+        """Raise InputError if anything is wrong."""
+        if self.faults:
+            raise refusal(self.faults, "")
+
+
 def _keys(given: Any, needed: list[str], optional: list[str], where: str) -> Mapping[str, Any]:
     """Return a table of TOML with all keys that it needs and no others, or raise InputError."""
     if not isinstance(given, Mapping):
         raise InputError(f"{where} is {shown(given)}; give a table of keys and values")
-    for key in given:
-        if key not in (*needed, *optional):
-            raise InputError(f"{where} has {shown(key)}; allowed are {listed([*needed, *optional])}")
-    for key in needed:
-        if key not in given:
-            raise InputError(f"{where} has no {key}; it needs {listed(needed)}")
+    allowed = listed([*needed, *optional])
+    wrong = [f"has {shown(key)}; allowed are {allowed}" for key in given if key not in (*needed, *optional)]
+    wrong += [f"has no {key}; it needs {listed(needed)}" for key in needed if key not in given]
+    if wrong:
+        raise refusal([Problem((), f"{where} {said}") for said in wrong], "")
     return given
 
 
@@ -50,28 +72,25 @@ def _one_of(given: Mapping[str, Any], key: str, allowed: Mapping[str, Any], wher
 
 
 def _object(name: str, given: Any) -> Thing:
-    """Return an object of a table, or raise InputError that says which is wrong."""
-    where = f"objects.{abridged(name)}"
-    try:
-        return _made(name, given, where)
-    except InputError as error:
-        said = str(error)
-        raise InputError(said if said.startswith(where) else f"{where}: {said}") from None
-
-
-def _made(name: str, given: Any, where: str) -> Thing:
-    """Return an object of a table."""
+    """Return an object of a table, or raise InputError that says all that is wrong with it."""
+    where, tried = f"objects.{abridged(name)}", _Tried()
     if not isinstance(given, Mapping):
         raise InputError(f"{where} is {shown(given)}; give its kind, its numbers and its law")
-    kind = _one_of(given, "kind", GEOMETRY, where)
-    numbers = [known.name for known in GEOMETRY[kind]]
-    if kind == DRAIN:
-        _keys(given, ["kind", *numbers], [], where)
-        return Thing(name, kind, {key: given[key] for key in numbers})
-    law = LAWS[_one_of(given, "law", LAWS, where)]
-    own = list(signature(law).parameters)
-    _keys(given, ["kind", *numbers, "law", *own], [], where)
-    return Thing(name, kind, {key: given[key] for key in numbers}, law(**{key: given[key] for key in own}))
+    kind = tried(_one_of, given, "kind", GEOMETRY, where)
+    called = tried(_one_of, given, "law", LAWS, where) if kind != DRAIN else None
+    tried.refuse()  # what else it may have is not known
+    numbers, law = {one.name: one for one in GEOMETRY[kind]}, LAWS[called] if called else None
+    own = list(signature(law).parameters) if law else []
+    tried(_keys, given, ["kind", *numbers, *(["law", *own] if law else [])], [], where)
+    tried(checked_name, name, kind, at=where)
+    for key, known in {**numbers, **{key: KNOWN[key] for key in own}}.items():
+        if key in given:
+            tried(known.check, given[key], at=where)
+    tried.refuse()
+    made = law(**{key: given[key] for key in own}) if law else None
+    thing: Thing = tried(Thing, name, kind, {key: given[key] for key in numbers}, made, at=where)
+    tried.refuse()
+    return thing
 
 
 def read_table(source: str | os.PathLike[str]) -> Table:
@@ -106,15 +125,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     path = HOME / f"{source}.toml" if known else source
     if isinstance(source, str) and not known and not source.endswith(".toml") and not os.path.exists(source):
         raise InputError(f"there is no file {shown(source)}; tables that ship are {listed(shipped())}")
-    said, faults = read_toml(path), []
-
-    def tried(make: Callable[..., Any], *given: Any) -> Any:
-        try:
-            return make(*given)
-        except InputError as error:
-            faults.append(Problem((), str(error)))
-            return None
-
+    said, tried = read_toml(path), _Tried()
     tried(_keys, said, ["objects"], [*OWN, *PLAYERS, "plunger"], str(source))
     for name in OWN:
         if name in said:
@@ -122,8 +133,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
     things = tried(_things, said["objects"]) if "objects" in said else []
     player, launcher = tried(_player, said, str(source)), tried(_plunger, said)
     objects = [tried(_object, name, given) for name, given in things or ()]
-    if faults:
-        raise refusal(faults, "")
+    tried.refuse()
     return table(objects, **{key: said[key] for key in OWN if key in said}, player=player, plunger=launcher)
 
 
@@ -148,5 +158,5 @@ def _player(said: Mapping[str, Any], source: str) -> Player:
 def _plunger(said: Mapping[str, Any]) -> Plunger | None:
     if "plunger" not in said:
         return None
-    numbers = [name.partition(".")[2] for name in KNOWN]
+    numbers = [name.partition(".")[2] for name in OF_PLUNGER]
     return Plunger(**_keys(said["plunger"], numbers, [], "plunger"))
