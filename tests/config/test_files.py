@@ -168,6 +168,14 @@ def test_links_in_a_circle_are_no_file(tmp_path):
         assert "circle.py" in refused(file)
 
 
+@pytest.mark.parametrize("form", ["[k{}]\n", "k{}=1\n", "settings.k{}=1\n", "[objects.k{}]\n"])
+def test_a_table_of_very_many_keys_is_refused_by_their_number(tmp_path, form):
+    """Something was said of each: that took up to ten seconds."""
+    file = tmp_path / "study.toml"
+    file.write_text("".join(map(form.format, range(11_000))))
+    assert refused(file) == f"{file} has a table of 11000 keys; allowed are 10000"
+
+
 @pytest.mark.parametrize("table", ["", "[parameters]\n", "[settings]\n", "[vary]\n"])
 def test_very_many_errors_are_counted_and_not_listed(tmp_path, table):
     file, many = tmp_path / "study.toml", 5000

@@ -76,11 +76,7 @@ class Table(ByValue):
                 f"objects are {shown(self.objects)}; give a list of gz.disc, gz.segment, gz.arc, gz.flipper, gz.drain"
             )
         turning = sum(one.kind == FLIPPER for one in objects)
-        if len(objects) > MOST_OBJECTS or turning > MOST_FLIPPERS:
-            raise InputError(
-                f"the table has {len(objects)} objects, {turning} of them flippers; allowed are {MOST_OBJECTS}, and "
-                f"{MOST_FLIPPERS} flippers, as each is held against every other"
-            )
+        refuse_too_many(len(objects), turning)
         names = [one.name for one in objects]
         for name in names:
             if names.count(name) > 1:
@@ -321,6 +317,15 @@ class Table(ByValue):
                 if crosses(one, other):
                     bare = ", as the ball has no radius" if ARC in (one.kind, other.kind) else ""
                     raise InputError(f"{other.name} and {one.name} cross; let one end at the other{bare}")
+
+
+def refuse_too_many(objects: int, flippers: int) -> None:
+    """Raise InputError for more objects, or flippers among them, than a table may have."""
+    if objects > MOST_OBJECTS or flippers > MOST_FLIPPERS:
+        raise InputError(
+            f"the table has {objects} objects, {flippers} of them flippers; allowed are {MOST_OBJECTS}, and "
+            f"{MOST_FLIPPERS} flippers, as each is held against every other"
+        )
 
 
 def padded(blocks: Sequence[Floats]) -> Floats:

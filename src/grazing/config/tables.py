@@ -8,12 +8,12 @@ from inspect import signature
 from pathlib import Path
 from typing import Any
 
-from grazing.billiard.objects import DRAIN, GEOMETRY, Thing, checked_name
+from grazing.billiard.objects import DRAIN, FLIPPER, GEOMETRY, Thing, checked_name
 from grazing.billiard.players import NOBODY, flips, presses
 from grazing.billiard.plunger import KNOWN as OF_PLUNGER
 from grazing.billiard.plunger import Plunger
 from grazing.billiard.strategy import Player
-from grazing.billiard.table import OWN, Table, table
+from grazing.billiard.table import OWN, Table, refuse_too_many, table
 from grazing.config.problems import Problem, Refusal, refusal
 from grazing.config.toml import read_toml
 from grazing.oscillator.reset import KNOWN, Reset, active, newton, triggered
@@ -140,6 +140,7 @@ def read_table(source: str | os.PathLike[str]) -> Table:
 def _things(given: Any) -> Iterable[tuple[str, Any]]:
     if not isinstance(given, Mapping):
         raise InputError(f"objects is {shown(given)}; give a table of objects by their names")
+    refuse_too_many(len(given), sum(isinstance(one, Mapping) and one.get("kind") == FLIPPER for one in given.values()))
     return given.items()
 
 

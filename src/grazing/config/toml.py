@@ -15,6 +15,8 @@ from grazing.paths import opened, path_of
 LARGEST = 2**21
 #: Parts of a key: TOML's reader looks at each once for every other, which takes hours for a million of them.
 DEEPEST_KEY = 32
+#: Keys of one table: a pinball table has 2000 objects at most, and each that is wrong takes time to be refused.
+MOST_KEYS = 10_000
 #: What TOML consists of. Nothing fails and is tried again elsewhere, so that the time does not grow faster than a text.
 _TOKEN = re.compile(
     r'''#[^\n]*+|"""(?:[^"\\]|\\[\s\S]|"(?!""))*+"{0,5}|"(?:[^"\\\n]|\\.)*+"?'''
@@ -29,13 +31,22 @@ def read_toml(path: str | os.PathLike[str]) -> dict[str, Any]:
     if _deepest_key(text) > DEEPEST_KEY:
         raise InputError(f"{source} has a key of more than {DEEPEST_KEY} parts; no configuration has such tables")
     try:
-        return tomllib.loads(text)
+        found = tomllib.loads(text)
+        most = _most_keys(found)
     except RecursionError:
         raise InputError(f"{source} has too many tables or lists in each other") from None
     except tomllib.TOMLDecodeError as error:
         raise InputError(f"{source} is not TOML: {error}") from None
     except ValueError:  # a limit of Python's, which speaks to its programmers
         raise InputError(f"{source} has a number of thousands of digits") from None
+    if most > MOST_KEYS:
+        raise InputError(f"{source} has a table of {most} keys; allowed are {MOST_KEYS}")
+    return found
+
+
+def _most_keys(table: dict[str, Any]) -> int:
+    """Return how many keys the largest of a table and those within it has."""
+    return max([len(table), *(_most_keys(one) for one in table.values() if isinstance(one, dict))])
 
 
 def _deepest_key(text: str) -> int:
