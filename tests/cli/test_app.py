@@ -186,6 +186,19 @@ def from_another(error, cause):
 
 
 @pytest.mark.parametrize(
+    "before", [[], ["diagram", "--"], ["info"], ["diagram", "d=0:1:3", "--threads"], ["paper"], ["sweep"]]
+)
+def test_a_word_of_thousands_of_letters_is_not_repeated(capsys, before):
+    long = "q" * 3000
+    tokens = [*before[:-1], f"--{long}"] if before[-1:] == ["--"] else [*before, long]
+    assert main(tokens) == 2
+    said = capsys.readouterr().err
+    assert len(said) < 700 and "qqqq..." in said
+    assert main([*before[:1], *("x " * 3000).split()]) == 2
+    assert len(capsys.readouterr().err) < 700
+
+
+@pytest.mark.parametrize(
     ("error", "code", "said"),
     [
         (InputError("no figure '9.9'; allowed are 1.2"), 2, "error: no figure '9.9'; allowed are 1.2\n"),

@@ -32,7 +32,7 @@ from grazing.cli import streams
 from grazing.cli.paper import paper
 from grazing.interrupt import causes, interrupt_in, taken
 from grazing.memory import address_space
-from grazing.outcome import GrazingError, InputError, OutsideForm, in_one_line, printable, raised, shown
+from grazing.outcome import GrazingError, InputError, OutsideForm, abridged, in_one_line, printable, raised, shown
 from grazing.parameter import called_here, foreign
 
 DONE, FAILED, USAGE, INTERRUPTED = 0, 1, 2, 130
@@ -44,6 +44,8 @@ LEAST = 10**9
 NO_MEMORY = ("Cannot allocate memory", "failed to map segment")
 #: What Python says where the machine, or a limit of the shell's, allows no more threads.
 NO_THREAD = "can't start new thread"
+#: A word that no message needs whole: no file has such a name.
+_LONG_WORD = re.compile(r"\S{1000,}")
 _NUMBER = re.compile(r"(?<!\w)[-+]?(\d+\.?\d*(e[-+]?\d+)?|nan|inf)(?!\w)")
 
 #: Studies whose commands have commands of their own.
@@ -288,8 +290,8 @@ def _somewhere() -> bool:
 def _reworded(error: CycloptsError) -> str:
     """Return the parser's message as a sentence."""
     if isinstance(error, UnusedCliTokensError):
-        extra = " ".join(error.unused_tokens or ())
-        return f"Unexpected argument {extra!r}: options begin with --, and an option's value follows its name."
+        extra = shown(" ".join(error.unused_tokens or ()))
+        return f"Unexpected argument {extra}: options begin with --, and an option's value follows its name."
     if isinstance(error, MissingArgumentError) and error.keyword and type(error) is MissingArgumentError:
         return f"{error.keyword} needs a value behind it."  # the parser takes other options for this one, misspelt
     if isinstance(error, CoercionError) and error.token is not None and error.target_type in (bool, int):
@@ -330,7 +332,8 @@ def _fail(message: str, code: int, kind: str = "error") -> int:
     """Write one message to stderr, with the traceback if GRAZING_DEBUG asks for it; return the code."""
     if os.environ.get("GRAZING_DEBUG", "0") not in ("", "0"):
         traceback.print_exc()
-    print(f"{kind}: {printable(message)}", file=sys.stderr)
+    said = _LONG_WORD.sub(lambda word: abridged(word[0]), printable(message))
+    print(f"{kind}: {said}", file=sys.stderr)
     return code
 
 
