@@ -29,10 +29,10 @@ def linear(length, contraction=None):
 def test_two_linear_branches_let_go_of_what_their_slopes_say(contracting):
     """Of a unit length 1/3 + 1/4 stays an impact; in time the rate solves e^s/3 + e^(1.5 s)/4 = 1."""
     found = cycle_expansion(linear(9, 0.2), per="impact", contracting=contracting)
-    assert abs(found.escape_rate + log(1 / 3 + 1 / 4)) < found.error + 1e-14 < 1e-8
+    assert abs(found.escape_rate + log(1 / 3 + 1 / 4)) < found.error + 1e-14 < 1e-7
     rate = brentq(lambda s: np.exp(s) / 3 + np.exp(1.5 * s) / 4 - 1, 0, 2, xtol=1e-15)
     found = cycle_expansion(linear(9))
-    assert abs(found.escape_rate - rate) < found.error + 1e-14 < 1e-9 and found.estimates[-1] == found.value
+    assert abs(found.escape_rate - rate) < found.error + 1e-14 < 1e-8 and found.estimates[-1] == found.value
 
 
 def test_what_contracts_slowly_needs_longer_words_unless_it_is_left_away():
@@ -47,7 +47,7 @@ def test_a_closed_system_has_rate_zero_and_one_with_gain_a_negative_one():
     """Slopes 2 and 2 leave nothing out."""
     cycles = [Cycle(n, 1.0 * n, (2.0**n,)) for n in range(1, 9) for _word in primitive_words(n)]
     found = cycle_expansion(cycles)
-    assert abs(found.escape_rate) < found.error < 1e-6
+    assert abs(found.escape_rate) < found.error < 1e-5
     double = [one._replace(transverse=(1.5**one.period,)) for one in cycles]
     assert cycle_expansion(double).escape_rate == pytest.approx(-log(2 / 1.5), abs=1e-3)
 
@@ -57,13 +57,34 @@ def test_the_rate_of_three_discs_has_thirty_digits():
     found = cycle_expansion(three_disc_cycles(6.0, 11, digits=40), digits=40)
     assert str(found.value)[:33] == "0.4103384077693464893384613078192"
     changes = [abs(b - a) for a, b in pairwise(found.estimates)]
-    assert all(b < a / 40 for a, b in pairwise(changes)) and found.error < 1e-31
+    assert all(b < a / 40 for a, b in pairwise(changes)) and found.error < 1e-27
 
 
 def test_the_rate_of_three_discs_at_three_radii_is_confirmed_by_length():
     found = cycle_expansion(three_disc_cycles(3.0, 10, digits=20), digits=20)
     assert found.value == pytest.approx(Decimal("0.67792268959953"), abs=Decimal("1e-14"))
     assert found.estimates[-2] == pytest.approx(found.value, abs=Decimal("1e-13"))
+
+
+@pytest.mark.parametrize(
+    ("slopes", "c", "length"),
+    [((-6.5, 2.4), -0.68, 6), ((-5.97, -7.14), 0.84, 8), ((6.38, -8.4), -0.83, 9), ((5.95, -8.16), -0.64, 9)],
+)
+def test_a_last_change_that_is_small_by_chance_is_no_error(slopes, c, length):
+    """Where slopes have two signs, or a length had no zero: the last change was up to twelve times too small."""
+    words = [w for n in range(1, length + 1) for w in primitive_words(n)]
+    cycles = [Cycle(len(w), 1.0, (prod(slopes[k] for k in w), c ** len(w))) for w in words]
+    found = cycle_expansion(cycles, per="impact")
+    assert abs(found.escape_rate + log(sum(1 / abs(slope) for slope in slopes))) < found.error
+
+
+@pytest.mark.parametrize("longest", [7, 8])
+def test_two_discs_have_one_cycle_and_the_series_goes_as_far_as_it_was_looked_for_others(longest):
+    """What stays follows one orbit, of multiplier (2 + sqrt(3))^2: it was cut off at its first turn."""
+    P = gz.collision_map(gz.table([gz.disc(name, (x, 0.0), 1.0, gz.newton(1.0)) for name, x in (("A", 0), ("B", 3))]))
+    found = cycle_expansion(gz.periodic_orbits(P, range(1, longest + 1), starts=40), per="impact")
+    assert found.cycles == 1 and len(found.estimates) == longest
+    assert abs(found.escape_rate - log(2.0 + 3.0**0.5)) < found.error < 0.01
 
 
 def test_orbits_of_the_table_give_the_rate_of_their_sixth():
@@ -90,7 +111,7 @@ def test_active_discs_keep_more_balls_once_they_have_their_speed():
     """0.770 +- 0.004 an impact at r = 0.8 for every V > 0, and a rate in time that grows as V does."""
     orbits = gz.periodic_orbits(gz.collision_map(active_discs(3.0)), range(1, 8), starts=60)
     found = cycle_expansion(orbits, per="impact", contracting=False)
-    assert found.cycles == 41 and found.escape_rate == pytest.approx(0.770, abs=0.004) and found.error < 2e-3
+    assert found.cycles == 41 and found.escape_rate == pytest.approx(0.770, abs=0.004) and found.error < 0.02
     slow = cycle_expansion(orbits, contracting=False)
     double = gz.periodic_orbits(gz.collision_map(active_discs(3.0, V=0.5)), range(1, 8), starts=60)
     fast = cycle_expansion(double, contracting=False)

@@ -15,6 +15,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from decimal import Decimal, localcontext
+from itertools import pairwise
 from math import isfinite
 from typing import Any, NamedTuple
 
@@ -77,14 +78,19 @@ class CycleExpansion:
 
     @property
     def error(self) -> float:
-        """By how much the longest cycles changed it: what those that are left out change is less, once this falls."""
-        before = self.estimates[-2] if len(self.estimates) > 1 else None
-        return float("inf") if before is None else float(abs(self.value - before))
+        """The greater of the last two changes: what longer cycles change is less, once these fall; infinity for none.
+
+        Two, since one is small by chance where they are of changing signs.
+        """
+        last = self.estimates[-3:]
+        known = [one for one in last if one is not None]
+        if len(known) < 3:
+            return float("inf")
+        return float(max(abs(b - a) for a, b in pairwise(known)))
 
     def __repr__(self) -> str:
-        rate = f"{self.value:.12g} {'an' if self.per == 'impact' else 'a'} {self.per}"
-        known = f"{self.cycles} cycles to length {len(self.estimates)}"
-        return f"<CycleExpansion: {rate}, last change {self.error:.1e}, {known}>"
+        rate = f"{self.value:.12g} +- {self.error:.1e} {'an' if self.per == 'impact' else 'a'} {self.per}"
+        return f"<CycleExpansion: {rate}, {self.cycles} cycles to length {len(self.estimates)}>"
 
 
 def cycle_expansion(
@@ -96,7 +102,8 @@ def cycle_expansion(
     ----------
     cycles : iterable of Cycle or BounceOrbit
         All cycles up to a number of impacts, each once: ``gz.periodic_orbits(P, range(1, n + 1))`` of the collision
-        map of a table, or :func:`three_disc_cycles`. One that is left out makes the result wrong.
+        map of a table, or :func:`three_disc_cycles`. One that is left out makes the result wrong. Of such a search the
+        series goes as far as it looked, also where nothing was found.
     per : {"time", "impact"}
         Whether the rate is one in time or counts impacts.
     contracting : bool
@@ -125,7 +132,7 @@ def cycle_expansion(
     --------
     >>> import grazing as gz
     >>> gz.theory.cycle_expansion(gz.theory.three_disc_cycles(6.0, 5, digits=20))
-    <CycleExpansion: 0.410338407770 a time, last change 3.6e-10, 14 cycles to length 5>
+    <CycleExpansion: 0.410338407770 +- 2.7e-07 a time, 14 cycles to length 5>
     """
     if not isinstance(per, str) or per not in ("time", "impact"):
         raise InputError(f"per is {shown(per)}; allowed are 'time' and 'impact'")
@@ -138,12 +145,16 @@ def cycle_expansion(
     except TypeError:
         raise InputError(f"cycles are {shown(cycles)}; give a list of Cycle(period, time, transverse)") from None
     every = list(each)  # what making them raises is not blamed on the list
+    searched = getattr(cycles, "searched", None)  # of gz.periodic_orbits
     given = [_checked(one, contracting) for one in every]
     if not given:
-        raise InputError("there are no cycles: nothing stays, and there is no escape rate")
+        raise InputError(
+            "there are no cycles: nothing stays, or what stays slows down for ever, as between discs with r < 1 that "
+            "do not kick; gz.escape_rate(P) counts what stays"
+        )
     with localcontext() as context:
         context.prec = digits + SPARE
-        series = _Series(given, per)
+        series = _Series(given, per, 0 if searched is None else max(searched.periods))
         estimates, near = [], None
         for N in range(1, series.longest + 1):
             found = series.zero(N, near, Decimal(10) ** -(digits + SPARE // 2))
@@ -152,6 +163,7 @@ def cycle_expansion(
         if estimates[-1] is None:
             raise InputError(
                 f"the series over cycles to length {series.longest} has no zero: some are missing, or longer ones count"
+                + (", as they do less with contracting=False" if contracting else "")
             )
         context.prec = digits
         return CycleExpansion(tuple(None if one is None else +one for one in estimates), len(given), per)
@@ -206,8 +218,8 @@ def stays(roots: Sequence[Any], r: int) -> Decimal:
 class _Series:
     """The cycles with the weights of their repeats, for the coefficients of log F and of F in z."""
 
-    def __init__(self, cycles: Sequence[Cycle], per: str) -> None:
-        self.longest = max(one.period for one in cycles)
+    def __init__(self, cycles: Sequence[Cycle], per: str, least: int) -> None:
+        self.longest = max(least, *(one.period for one in cycles))
         self.cycles = [
             (
                 one.period, one.time if per == "time" else Decimal(one.period),
