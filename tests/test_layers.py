@@ -49,7 +49,7 @@ ALLOWED_ONLY = {"theory": {"outcome"}}
 # A study knows no other study, except for what they share.
 SHARED_BY_STUDIES = {
     "attractors", "boundary", "changes", "classify", "cycles", "differences", "growth", "labels", "outside", "plan",
-    "recurrence", "runs", "starts",
+    "recurrence", "runs", "starts", "trial",
 }  # fmt: skip
 # Heavy packages, each with the parts that may name it.
 OWNERS = {
