@@ -481,6 +481,10 @@ def test_thumbs_on_a_telephone(browser, address):
         ("#table=classic&start=1,2,3,4&nudges=1,2,3", "five numbers each"),
         ("#table=classic&start=1,2,3,4&nudges=2,1,1,1,1,1,1,1,1,1", "do not rise"),
         ("#v=99&table=classic", "newer version"),
+        ("#table=classic&g=+", "no numbers"),
+        ("#table=classic&start=5.275,,0,17", "no numbers"),
+        ("#table=classic&tilt=0.1&tilt=0.2", "tilt is given twice"),
+        ("#table=classic&bumper1.v=3", "bumper1.v is no part of a link"),
     ],
 )
 def test_a_link_that_cannot_be_read_is_explained(shown, address, fragment, said):

@@ -25,8 +25,8 @@ export function toLink(table, game) {
 
 /** @param {string} text @param {string} what */
 function numbers(text, what) {
-  const found = text.split(",").map(Number);
-  if (!text || !found.every(Number.isFinite)) throw new Error(`${what} is ${text.slice(0, 40)}, which are no numbers`);
+  const found = text.split(",").map((word) => (word.trim() ? Number(word) : NaN)); // of nothing, Number makes 0
+  if (!found.every(Number.isFinite)) throw new Error(`${what} is ${text.slice(0, 40)}, which are no numbers`);
   return found;
 }
 
@@ -36,7 +36,8 @@ export function fromLink(hash, tables) {
   const given = new URLSearchParams(hash.slice(1)), table = given.get("table") ?? "";
   if (Number(given.get("v")) > VERSION) throw new Error("it was made by a newer version of the page");
   if (!Object.hasOwn(tables, table)) throw new Error(table ? `there is no table ${table.slice(0, 40)}` : "it names no table");
-  const { params, objects } = tables[table];
+  const { params, objects } = tables[table], names = [...given.keys()], twice = names.find((name, i) => names.indexOf(name) < i);
+  if (twice) throw new Error(`${twice.slice(0, 40)} is given twice`);
   /** @type {Linked} */
   const found = { table, changes: {}, start: null, presses: {}, nudges: [], note: (given.get("note") ?? "").slice(0, LONGEST_NOTE) };
   for (const [name, text] of given) {
@@ -58,7 +59,7 @@ export function fromLink(hash, tables) {
     } else if (flipper) {
       found.presses[flipper.name] = numbers(text, name);
       if (found.presses[flipper.name].some((t, i, all) => i > 0 && !(t > all[i - 1]))) throw new Error(`the times of ${name} do not rise`);
-    }
+    } else if (!["v", "table", "note"].includes(name)) throw new Error(`${name.slice(0, 40)} is no part of a link of this table`);
   }
   return found;
 }
