@@ -112,8 +112,7 @@ def test_only_ways_out_are_at_rest():
     """A launch of no speed is that of a ball let go, unless its angle is the number of a way out."""
     table = pinball()
     L = gz.launch_map(table, POINT)
-    found = gz.periodic_orbits(L, 1)
-    assert {str(one.word) for one in found} <= {"(left_drain)", "(right_drain)", "(away)"}
+    assert not gz.periodic_orbits(L, 1)  # a ball that has left is no orbit, though it stays
     dropped = gz.launches(table, POINT, 0.0, 0.0).exit.item()
     for angle in (-1.0, 0.0, 0.5, float(len(table.names)) + 1.0):
         assert L.letters.symbol(L((angle, 0.0))[1]) == f"({dropped})"

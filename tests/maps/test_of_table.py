@@ -112,6 +112,17 @@ def test_a_ball_that_has_left_stays_where_that_way_out_is():
     assert len(np.unique(found.basin.values)) == 2
 
 
+def test_a_ball_that_has_left_is_no_periodic_orbit():
+    """It was listed as a stable one, beside the ball that a flipper throws up to the same place."""
+    law = gz.newton(0.8)
+    flipper = gz.flipper("L", (1.0, 1.0), 1.2, 0.2, -0.4, 0.5, law, up=9.0, down=5.0)
+    ends = {"left": [(0.0, 0.0), (0.0, 8.0)], "top": [(0.0, 8.0), (5.0, 8.0)], "right": [(5.0, 8.0), (5.0, 0.0)]}
+    objects = [flipper, *(gz.segment(name, *points, law) for name, points in ends.items())]
+    objects += [gz.disc("bumper", (2.5, 4.5), 1.0, gz.active(0.9, 0.4)), gz.drain("out", (0.0, -1.0), (5.0, -1.0))]
+    P = gz.stroboscopic_map(gz.table(objects, rho=0.1, tilt=0.3, player=gz.flips(2.0, 0.4, 0.1)))
+    assert [one.word for one in gz.periodic_orbits(P, 1, starts=300, seed=1)] == ["(L-top)"]
+
+
 def test_starts_inside_an_object_have_no_next_state():
     P = gz.stroboscopic_map(bowl(gz.newton(0.5)))
     for inside in ((2.0, 0.0), (2.0, 0.9), (1.0, 1.0), (0.05, 5.0)):  # the bowl, flipper, its hub, a wall

@@ -177,7 +177,7 @@ def periodic_orbits(
     the ball; their list is complete. A guess costs the cube of its impacts, so of words with more than 15 fewer are
     tried; the statement says how many. Orbits that agree to 1e-7, at a fold, count as one. Where a ball without a
     spring flies wherever it likes, one flight is listed for all; of any other continuum that is met, one orbit, and the
-    statement says how many were met.
+    statement says how many were met. A ball that has left a table, whose map keeps it in a place, is no orbit.
 
     Examples
     --------

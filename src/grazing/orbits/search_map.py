@@ -21,7 +21,7 @@ from grazing.orbits.one_orbit import cells, moved
 from grazing.orbits.one_sided import EPS
 from grazing.orbits.orbit import Orbit
 from grazing.orbits.search_windows import drawn
-from grazing.outcome import FATAL, InputError
+from grazing.outcome import ESCAPED, FATAL, InputError
 
 Floats = NDArray[np.float64]
 
@@ -192,7 +192,10 @@ class Cycles:
         nothing, orbits = np.empty(0), []
         for x in self.found.get(N, ()):
             with suppress(InputError):  # Newton's method may end where the map allows no state
-                letters = tuple(int(self.P.orbit(point, 1).letters[0]) for point in x)
+                steps = [self.P.orbit(point, 1) for point in x]
+                if any(int(step.outcomes[0]) & ESCAPED for step in steps):
+                    continue  # what has left is kept where it is, and comes back to nothing
+                letters = tuple(int(step.letters[0]) for step in steps)
                 orbits.append(MapEquations(self.P, (), letters).orbit(x.ravel(), nothing))
         return orbits
 
