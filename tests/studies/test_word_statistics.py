@@ -166,6 +166,7 @@ def test_nothing_is_known_of_the_error_of_a_single_word():
     [
         ({"length": 0}, "length"),
         ({"length": 65}, "length"),
+        ({"length": 9, "keep": 8}, "length = 9 is more than keep = 8"),
         ({"most": 0}, "most"),
         ({"name": "mu"}, "give a parameter's name with its values"),
         ({"name": "nu", "values": [1.0]}, "nu"),

@@ -56,7 +56,10 @@ def words(found: Row, *_of: Any) -> list[str]:
             )  # fmt: skip
         return [f"words of {n} letters", *table(head, rows), *ended]
     if not found["words"]:
-        return [f"no word of {n} letters was counted: all orbits had left or ended; give a smaller --transient", *ended]
+        return [
+            f"no word of {n} letters was counted: orbits left or ended before; give a smaller --transient or --length",
+            *ended,
+        ]
     listing = [[cut(row["word"]), short(row["share"], 3), short(row["error"], 1)] for row in found["words"]]
     lengths = [
         [

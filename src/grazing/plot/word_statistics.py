@@ -62,7 +62,7 @@ def word_statistics(result: Any, ax: Axes | None = None, *, colour: str = INK) -
 def _bars(result: Any, ax: Axes | None, colour: str) -> dict[str, Any]:
     words = [str(word) for word in result["word"].values if word]
     if not words:
-        raise InputError("plot.word_statistics finds no word in the result; all orbits had left or ended")
+        raise InputError("plot.word_statistics finds no word in the result: orbits left or ended before")
     share, error = (result[name].values[: len(words)] for name in ("share", "share_error"))
     length = int(result["length"].values[-1])
     with styled():

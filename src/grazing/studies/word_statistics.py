@@ -82,7 +82,7 @@ def word_statistics(
     Raises
     ------
     InputError
-        For an input out of range.
+        For an input out of range, or words longer than ``keep``.
 
     Notes
     -----
@@ -115,6 +115,8 @@ def word_statistics(
     axes = {} if name is None else {checked_name(name, P.params, P.name or "the map"): values}
     runs = checked_runs(P, axes, starts, transient, keep, seed, arithmetic, box, TAKEN, as_they_come=True)  # type: ignore[arg-type]
     length, most = whole(length, "length", 1, LONGEST), whole(most, "most", 1)
+    if length > runs.settings.keep:
+        raise InputError(f"length = {length} is more than keep = {runs.settings.keep}, the letters of an orbit")
     refuse_too_large(RANK * most, f"reduce most ({most})", "the words of one cell")
     lanes, keep = runs.settings.lanes, runs.settings.keep
     letters = 8 * ARRAYS * keep * lanes
