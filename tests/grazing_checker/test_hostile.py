@@ -51,6 +51,12 @@ def test_an_orbit_that_is_lifted_off_is_stable_only_if_slow_impacts_stay_slow():
     sinking = {"parameters": {}, "after": ["if", fast, (0.0).hex(), ["*", (0.5).hex(), "v"]]}  # into the wall
     with pytest.raises(Rejected, match="throw slow impacts"):
         check(claiming(changed(good.document, ("data", "law"), lambda _old: sinking)))
+    no_speed = (0.0).hex()
+    for back in ((0.5).hex(), ["*", (0.5).hex(), ["^", ["-", "v"], (0.5).hex()]]):  # it throws back what has any speed
+        after = ["if", fast, no_speed, ["if", ["<", "v", no_speed], back, no_speed]]
+        forged = changed(good.document, ("data", "law"), lambda _old, after=after: {"parameters": {}, "after": after})
+        with pytest.raises(Rejected, match="throw slow impacts back"):
+            check(claiming(forged))
     kicked = gz.reset(lambda v, p: 0.0 * v if v < -p.slow else 0.5 + 0.0 * v, slow=0.01)
     found = certify(_with(orbit, gz.Oscillator(0.3, 1.0, model.forcing, kicked)))
     assert found.proven and found.claims["stability"] == "undecided"
