@@ -70,12 +70,10 @@ def table_value_bases():
     def of(table, word, **more):
         return gz.periodic_orbits(gz.collision_map(table), word=word, starts=20, **more)
 
-    (turning,) = of(bowl_and_disc(), "(bowl)A")
-    way = gz.continuation(turning.map, turning, "bowl.r", (0.794, 0.8))
     points = {
         "bowl pd": (of(bowl(r=0.78), "(bowl)")[0], "pd", "bowl.r"),
         "bowl lp": (of(bowl(r=0.8, V=0.262), "(bowl)", period=3)[0], "lp", "bowl.V"),
-        "bowl ns": (next(one.orbit for one in way.special if one.type == "ns"), "ns", "bowl.r"),
+        "bowl ns": (of(bowl_and_disc(r=0.79427), "(bowl)A")[1], "ns", "bowl.r"),
         "post gr": (of(posted(0.69), "ABC")[0], "gr", "post.y"),
         "tip gr": (of(beside_a_tip(-0.85), "(bowl)", period=3)[1], "gr", "wire.y2"),
         "elastic pd": (of(bowl(radius=1.9, r=1.0, V=0.0), "(bowl)", energy=-1.0)[0], "pd", "bowl.radius"),
