@@ -77,8 +77,8 @@ def test_the_values_are_those_of_branches():
     for kind, point in kinds.items():
         low, high = enclosed(point.orbit, kind, "bowl.V")
         assert 0.5 * (low + high) == pytest.approx(point.value, rel=1e-10)
-    (turning,) = found(bowl_and_disc(), "(bowl)A")
-    branch = gz.continuation(turning.map, turning, "bowl.r", (0.794, 0.8))
+    (_other, turning) = found(bowl_and_disc(r=0.7943), "(bowl)A")
+    branch = gz.continuation(turning.map, turning, "bowl.r", (0.79425, 0.7943))
     (pair,) = (point for point in branch.special if point.type == "ns")
     low, high = enclosed(pair.orbit, "ns", "bowl.r")
     assert 0.5 * (low + high) == pytest.approx(pair.value, rel=1e-9)
