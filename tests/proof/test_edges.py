@@ -57,10 +57,9 @@ def test_two_orbits_that_end_at_one_value_are_proven_each():
 def test_a_proof_of_another_value_or_orbit_is_none_of_the_edge():
     model = gz.pinball(V=0.4)
     table = gz.windows(model, "d", 3, (0.09, 0.13), samples=100)
-    for shift in (1e-11, -1e-11):  # a part of 4e-10 of the window's width
-        beside = table.assign(low=table.low + shift, high=table.high + shift)
-        said = [proof for _w, _side, proof in edge_proofs(model, beside)]
-        assert len(said) == 2 and all(str(one).startswith("the proof is of another value") for one in said)
+    beside = table.assign(low=table.low + 1e-11, high=table.high - 1e-11)  # a part of 4e-10 of the window's width
+    said = [proof for _w, _side, proof in edge_proofs(model, beside)]
+    assert len(said) == 2 and all(str(one).startswith("the proof is of another value") for one in said)
     turned = table.assign(low_phase=table.low_phase + 0.01, high_phase=table.high_phase - 0.01)
     said = [proof for _w, _side, proof in edge_proofs(model, turned)]
     assert len(said) == 2 and all(str(one).startswith("the proof is of another orbit") for one in said)
