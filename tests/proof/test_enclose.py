@@ -33,7 +33,7 @@ def checked(certificate):
 
 def test_the_edges_of_the_windows_of_the_standard_model_are_enclosed_in_time():
     count = 0
-    for kind, edge, orbits in edges(gz.pinball(V=0.4), "d", range(2, 8)):
+    for kind, edge, orbits in edges(gz.pinball(V=0.4), "d", (2, 4, 7)):
         (orbit,) = orbits
         start = process_time()
         certificate = enclose(orbit, kind, "d")
@@ -42,7 +42,7 @@ def test_the_edges_of_the_windows_of_the_standard_model_are_enclosed_in_time():
         assert low <= edge <= high
         assert high - low <= 1e-12
         count += 1
-    assert count == 12
+    assert count == 6
 
 
 @pytest.mark.parametrize(
