@@ -17,7 +17,7 @@ from grazing.studies.density import density
 from grazing.studies.density import raster as count_in_raster
 from grazing.studies.starts import random_starts
 from tests.explorer.machine import classes, draw, fields_of, orbits, raster, row_of
-from tests.explorer.models import CASES
+from tests.explorer.models import CASES, MORE_CASES
 
 
 def rows_of(described, model, phase, name, values, order=0.0):
@@ -42,9 +42,9 @@ def test_starts_are_those_of_python(machines, seed, axes):
     np.testing.assert_array_equal(found, random_starts(seed, names, 7, boxes))
 
 
-@pytest.mark.parametrize("case", CASES)
+@pytest.mark.parametrize("case", MORE_CASES)
 def test_boxes_are_those_of_the_map(machines, described, case):
-    model, phase, name, ends = CASES[case]
+    model, phase, name, ends = MORE_CASES[case]
     rows = rows_of(described["oscillator"], model, phase, name, ends)
     boxes = np.empty((2, 2, 2))
     machines["oscillator"].call("boxes", columns=2, rows=rows, boxes=boxes)
@@ -238,9 +238,7 @@ def test_basins_of_the_oscillator(machines, described, case):
 # ---- the ball in flight
 
 
-@pytest.mark.parametrize(
-    "case", ["standard set", "three harmonics, kick", "free ball that falls, chatter", "triggered"]
-)
+@pytest.mark.parametrize("case", ["standard set", "two harmonics, kick", "free ball that falls, chatter", "triggered"])
 def test_the_flight_of_the_ball(machines, described, case):
     model, phase, name, ends = CASES[case]
     model = model.replace(**{name: 0.3 * ends[0] + 0.7 * ends[1]})
@@ -280,7 +278,7 @@ def between(law, other, sigma, high, motion=None, **params):
     """A model between two walls, or at one where there is no place of the other."""
     given = {"alpha": 0.3, "k": 1.0, "omega": 1.7, "t0": 0.2, "offset": 0.1, "cos": 1.0, "sin": 0.2, **params}
     # as many harmonics as the module has: rounding between walls knows how many there are
-    waves = (given["cos"], 0.0, 0.0), (given["sin"], 0.0, 0.0)
+    waves = (given["cos"], 0.0, 0.2 * given["cos"]), (given["sin"], 0.0, 0.5 * given["sin"])
     forcing = gz.Forcing(given["omega"], given["t0"], given["offset"], *waves)
     wave = None if motion is None else gz.Forcing(given["omega"], given["t0"], cos=motion[:1], sin=motion[1:])
     walls = [gz.wall(sigma, law, motion=wave)]
@@ -384,7 +382,7 @@ def test_edges_of_theory(machines, lam, l):
     ],
 )
 def test_the_normal_form(machines, described, case, name):
-    model, phase, _name, _ends = CASES[case]
+    model, phase, _name, _ends = MORE_CASES[case]
     name = "d" if name == "offset" and "d" in model.params else name
     nf = gz.normal_form(model, name)
     fields = fields_of(described["oscillator"])
