@@ -339,6 +339,11 @@ def normal_form(model: Oscillator, name: str) -> NormalForm:
         Without a steady response, without a graze, with zero acceleration at the graze, or where the steady response
         touches the wall at several instants of a period.
 
+    Notes
+    -----
+    There is one contact in it. A response with a second low point that is nearly as low touches the wall there as well
+    a little beyond the graze: the form holds up to that value of the parameter, which may be very near.
+
     References
     ----------
     Pring and Budd, IMA J. Appl. Math. 76 (2011) 67-84, section 2.2; the printed parameters of Figure 3.2 take
