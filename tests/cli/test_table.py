@@ -86,6 +86,41 @@ def test_a_ball_is_played_to_a_figure_and_a_film(capsys, folder):
     assert "films are of a ball on a table" in said(capsys, "trajectory", "u=0.1", "v=0", "-o", "c.gif", "-q", code=2)
 
 
+def test_grazes_are_those_of_python_and_can_be_made_again(capsys):
+    tokens = "angle=0.1:1:9 speed=0.2:0.9:9 post.V=0.7 --impacts 0 --json -o g.nc -o g.png".split()
+    found = json.loads(said(capsys, "grazes", "--table", "own.toml", *tokens))
+    table = gz.read_table("own.toml").replace(**{"post.V": 0.7})
+    truth = gz.grazes(table, angle=(0.1, 1.0), speed=(0.2, 0.9), order=0, cells=(8, 8))
+    seen = gz.load("g.nc")
+    assert seen.angle.equals(truth.angle) and seen.object.values.tolist() == truth.object.values.tolist()
+    assert found["found"]["curves"] == truth.sizes["curve"] > 0
+    said(capsys, *shlex.split(command_of(recipe_of(seen.attrs), ["m.nc"]))[1:])
+    assert gz.load("m.nc").speed.equals(seen.speed)
+    said(capsys, "plot", "g.nc", "-o", "again.png")
+
+
+def test_portraits_and_words_are_those_of_python_and_can_be_made_again(capsys):
+    table = gz.read_table("one_bumper")
+    looks = gz.stroboscopic_map(table, period=0.1)
+    cases = {
+        "portrait --map stroboscopic period=0.1 --bins 20 --across y --up vy": gz.portrait(
+            looks, "y", "vy", bins=20, starts=30, transient=0, keep=20
+        ),
+        "statistics bumper.V=0.2,0.6 --length 2 --most 5": gz.word_statistics(
+            gz.collision_map(table), "bumper.V", [0.2, 0.6], length=2, most=5, starts=30, transient=0, keep=20
+        ),
+    }
+    for command, truth in cases.items():
+        study, *tokens = command.split()
+        tokens += "--starts 30 --transient 0 --keep 20 -q -o a.nc -o a.png".split()
+        assert f"{int(truth.left.sum())} orbits left" in said(capsys, study, "--table", "one_bumper", *tokens)
+        seen = gz.load("a.nc")
+        assert all(np.array_equal(seen[name], truth[name], equal_nan=seen[name].dtype.kind == "f") for name in truth)
+        said(capsys, *shlex.split(command_of(recipe_of(seen.attrs), ["m.nc"]))[1:], "-q")
+        assert gz.load("m.nc").drop_attrs().identical(seen.drop_attrs())
+        said(capsys, "plot", "a.nc", "-o", "again.png")
+
+
 def test_studies_of_maps_take_a_table(capsys, folder):
     out = said(capsys, "basins", "--table", "own.toml", "angle=0.1:1:9", "speed=0.8", "--transient", "1", "--keep", "4")
     assert "(left)" in out or "(right)" in out
