@@ -1,5 +1,7 @@
 """Orbits between walls, at one that moves or is above the ball: proven, and what closed forms say lies in the boxes."""
 
+import re
+
 import numpy as np
 import pytest
 from mpmath import mp, mpf
@@ -9,6 +11,7 @@ from grazing.proof.certify import certify
 from grazing.proof.check import check_certificate
 from tests.grazing_checker.documents import found_in, impact_pair, inverted, rattle, vibrating_table, walled
 from tests.models import cubic
+from tests.proof.orbits import without_impacts
 
 
 def proven(orbit):
@@ -187,3 +190,17 @@ def test_a_parameter_of_a_law_may_begin_like_an_amplitude(count):
         return proven(next(one for one in orbits if one.impacts)).claims
 
     assert claims("cosine") == claims("e")
+
+
+@pytest.mark.parametrize("side", ["below", "above"])
+def test_what_is_said_of_an_orbit_without_impacts_is_its_distance_from_the_wall_and_the_rate_of_that(side):
+    """Against the response in closed form, u = 0.3 + Re A e^(2it) with A (1 - 4 + i) = 1/2."""
+    away = {"below": 1, "above": -1}[side]
+    force = gz.Forcing(omega=2.0, offset=0.3, cos=(0.5,))
+    model = walled(0.5, {"k": 1.0}, force, gz.wall(0.3 - away, gz.newton(0.6), side=side))
+    said = proven(without_impacts(model)).statement
+    A = 0.5 / (-3 + 1j)
+    names = {"below": ("u - z_A", "u' - z_A'"), "above": ("z_A - u", "z_A' - u'")}[side]
+    for name, value in zip(names, (1 + away * A.real, away * (2j * A).real), strict=True):
+        low, high = re.search(rf"(?:with|,) {name} at t = 0 in \[(\S+), (\S+)\]", said).groups()
+        assert float(low) <= value + 1e-15 and value - 1e-15 <= float(high)
