@@ -6,11 +6,13 @@ import numpy as np
 import pytest
 from flint import arb
 
+import grazing as gz
 from grazing_checker import Rejected, check
 from grazing_checker.balls import number, precision
 from grazing_checker.plane import Apart, Flight, Reader, Thing, factored, over, value
 from grazing_checker.reading import exact
 from grazing_checker.table import Table, margins, sums_of
+from tests.billiard.orbits import bowl
 from tests.grazing_checker.bases import TABLE_NAMES, table_bases
 from tests.grazing_checker.forgeries import fit, fitting_matrix, newton, sealed, text_of
 
@@ -226,6 +228,18 @@ def test_nothing_attracts_where_energy_is_conserved():
     refused("triangle", stable, "nothing attracts|nothing else|does not hold")
     refused("kicked", stable, "does not hold|is false")
     assert "nothing is claimed" in check(changed("kicked", lambda data: data["claims"].update(stability="undecided")))
+
+
+def test_nothing_attracts_either_where_all_multipliers_are_on_the_unit_circle():
+    """Motions beside it stay, and come no nearer: what is positive where multipliers are inside shows no attraction."""
+    (one, *_) = gz.periodic_orbits(gz.collision_map(bowl(radius=1.5, r=1.0, V=0.0)), word="(bowl)", energy=-1.0)
+    document = gz.certify(one).document
+    data = document["data"]
+    assert -2 < float(data["claims"]["sums"][0][0]) < float(data["claims"]["sums"][0][1]) < 2
+    data["claims"]["stability"] = "stable"
+    row = {"name": "2 - |L + 1/L|", "left": "1E-9", "relation": ">", "right": "0"}
+    with pytest.raises(Rejected, match="where energy is conserved nothing attracts"):
+        check(sealed(KIND, data, [*document["inequalities"], row], honest=False))
 
 
 @pytest.mark.parametrize(
