@@ -2,6 +2,7 @@
 
 from copy import deepcopy
 from fractions import Fraction
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from hypothesis import strategies as st
 import grazing as gz
 from grazing.proof.certify import certify
 from grazing.proof.text import exact_text
-from grazing_checker import Rejected, check
+from grazing_checker import Rejected, check, orbit
 from grazing_checker.balls import double, number, precision
 from grazing_checker.oscillator import Problem, spread
 from grazing_checker.reading import exact
@@ -279,3 +280,41 @@ def test_a_doubled_orbit_in_a_forcing_of_half_the_period_is_told_from_two_of_one
     certificate = certify(same)
     assert certificate.claims["least_period"] and "of least period 3 T," in certificate.statement
     assert check(certificate.document) == certificate.statement
+
+
+def shorter(times, speeds, rates=None, hits=None, signs=(1, -1), period=12):
+    """Claim the least period of impacts, with the velocities that the walls have then, and say what was shown."""
+    n, asked, rates = len(times), {}, dict(zip(times, rates or [0.0] * len(times), strict=True))
+    seen = [
+        SimpleNamespace(
+            motion=SimpleNamespace(period=number(period)), at=lambda t: (None, double(rates[float(t)])), sign=s
+        )
+        for s in signs
+    ]
+    problem = SimpleNamespace(n=n, N=1, hits=hits or [0] * n, frames=lambda _box: seen)
+    rows = SimpleNamespace(more=lambda name, x: asked.update({int(name.split()[-1]): x > 0}))
+    orbit._least_period(problem, [double(x) for x in [*times, *speeds]], {"claims": {"least_period": True}}, rows)
+    return asked
+
+
+def test_a_shorter_period_repeats_all_times_and_velocities_at_the_same_walls():
+    with precision(256):
+        assert shorter([1.0, 7.0], [3.0, 3.0]) == {2: False}
+        assert shorter([1.0, 7.5], [3.0, 3.0]) == shorter([1.0, 7.0], [3.0, 3.5]) == {2: True}
+        assert shorter([1.0, 7.0], [3.0, 3.0], hits=[0, 1]) == {}
+        assert shorter([1.0], [3.0]) == {}
+        four = [0.0, 1.0, 6.0, 7.0]
+        assert shorter(four, [3.0, 2.0, 3.0, 2.0]) == shorter(four, [3.0, 2.0] * 2, hits=[0, 1, 0, 1]) == {2: False}
+        assert shorter(four, [3.0, 2.0, 3.0, 1.0]) == shorter([*four[:3], 8.0], [3.0, 2.0] * 2) == {2: True}
+        assert shorter([1.0, 5.0, 9.0], [3.0] * 3) == {3: False}
+        half, third = [0.0, 1.0, 3.0, 6.0, 7.0, 9.0], [0.0, 1.0, 4.0, 5.0, 8.0, 9.0]
+        assert shorter(half, [3.0] * 6) == {2: False, 3: True} and shorter(third, [3.0] * 6) == {2: True, 3: False}
+        assert shorter([2.0 * i for i in range(6)], [3.0] * 6) == {2: False, 3: False}
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+def test_it_is_the_velocity_of_the_ball_that_repeats_and_not_that_off_a_wall_that_moves(sign):
+    """Above the ball the velocity off the wall counts downwards."""
+    with precision(256):
+        assert shorter([1.0, 7.0], [3.0, 2.5], rates=[0.5, 0.5 + 0.5 * sign], signs=[sign]) == {2: False}
+        assert shorter([1.0, 7.0], [3.0, 3.0], rates=[0.5, 1.0], signs=[sign]) == {2: True}
