@@ -175,3 +175,12 @@ def test_multipliers_whose_powers_are_no_doubles_count():
         cycle_expansion([Cycle(1, 1.0, (1e200 + 1e200j, 1e200 - 1e200j)), Cycle(3, 3.0, (5.0,))])
     with pytest.raises(gz.InputError, match="cycles are 3"):
         cycle_expansion(3)
+
+
+def test_virtual_orbits_are_refused():
+    """Of three discs in a row, the way from the first one to the last one through that between: no ball goes there."""
+    discs = [gz.disc(name, (x, 0.0), 1.0, gz.newton(1.0)) for name, x in (("A", 0.0), ("B", 3.0), ("C", 6.5))]
+    orbits = gz.periodic_orbits(gz.collision_map(gz.table(discs)), [1, 2], starts=40, virtual=True)
+    assert not all(one.admissible for one in orbits)
+    with pytest.raises(gz.InputError, match="is virtual"):
+        cycle_expansion(orbits)

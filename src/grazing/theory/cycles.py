@@ -121,7 +121,7 @@ def cycle_expansion(
     Raises
     ------
     InputError
-        For no cycles, anything that is none, and a series without a zero.
+        For no cycles, anything that is none, a virtual orbit, and a series without a zero.
 
     References
     ----------
@@ -177,6 +177,8 @@ def _checked(one: Any, contracting: bool) -> Cycle:
         raise InputError(
             f"a cycle is {shown(one)}; give Cycle(period, time, transverse), or orbits of a table"
         ) from None
+    if getattr(one, "admissible", True) is False:
+        raise InputError(f"a cycle is virtual, which no ball follows: {shown(one)}; leave those away")
     if isinstance(n, bool) or not isinstance(n, int) or n < 1:
         raise InputError(f"the period of a cycle is {shown(n)}; allowed is a whole number >= 1")
     if not (isinstance(T, Decimal) or isfinite(float(T))) or not T > 0:
