@@ -160,6 +160,7 @@ def test_studies_of_maps_take_a_table(capsys, folder):
         (["table", "galton", "v=0"], "pin0.x, pin0.y, pin0.radius"),
         (["table", "galton", "v=0"], " and 578 more"),
         (["table", "own.toml", "post.V=much"], "is no number"),
+        (["table", "own.toml", "g=1", "g=2"], "'g=2': g is given twice"),
         (["table", "clasic"], "tables that ship are classic"),
     ],
 )

@@ -39,6 +39,8 @@ def table(
             from grazing.config.problems import unknown_key
 
             raise InputError(f"{parameter}: {unknown_key(parameter, list(found.params), 'unknown parameter')}")
+        if parameter in changes:
+            raise InputError(f"{token!r}: {parameter} is given twice")
         try:
             changes[parameter] = real(float(value), parameter, "give a finite number")
         except ValueError:
