@@ -15,7 +15,7 @@ BOX = {"angle": (0.1, 1.5), "speed": (1.0, 2.0)}
 
 def curves(found):
     """Return object, word, and the points of each curve."""
-    rows = found["curve"].values
+    rows = found["row"].values
     points = np.column_stack([found.angle.values, found.speed.values])
     return [
         (str(found.object[k].item()), str(found.word[k].item()), points[(rows == k) & np.isfinite(points[:, 0])])
@@ -90,7 +90,7 @@ def test_the_speed_falls_as_a_square_root_beside_each_point_and_the_ball_passes_
     assert found.sizes["curve"] > 3
     rows = np.flatnonzero(np.isfinite(found.angle.values))[::7]
     for row in rows:
-        k = int(found["curve"][row])
+        k = int(found["row"][row])
         order, axis = int(found.order[k]), int(found.angle_width[row] == 0.0)
         here = np.array([found.angle[row], found.speed[row]])
         speeds = []

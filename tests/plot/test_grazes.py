@@ -16,7 +16,7 @@ def found():
 
 def test_lines_are_the_curves_and_say_which_kick(found):
     drawn = gz.plot.grazes(found)
-    kicked = found.kick.values[found["curve"].values] > 0.0
+    kicked = found.kick.values[found["row"].values] > 0.0
     assert list(drawn["lines"]) == ["graze with a kick"] or set(drawn["lines"]) == {"graze", "graze with a kick"}
     x, y = drawn["lines"]["graze with a kick"].get_data()
     np.testing.assert_array_equal(x[kicked], found.angle.values[kicked])

@@ -1,10 +1,13 @@
 """Grazes as a study of a map of launches: the same curves, a cell fewer than values."""
 
+import csv
+
 import numpy as np
 import pytest
 
 import grazing as gz
 from grazing.catalogue import studies
+from grazing.export import to_csv
 from grazing.studies.grazed import grazed
 from tests.maps.test_grazes import TABLE, WIDE
 
@@ -20,6 +23,15 @@ def test_it_finds_what_grazes_does_and_tells_it():
     assert told["curves"] == found.sizes["curve"] and told["points"] == int(np.isfinite(found.angle).sum())
     assert sum(row["curves"] for row in told["grazes"]) == told["curves"]
     assert study.words(told)[-1] == f"{told['curves']} curves of {told['points']} points"
+
+
+def test_its_points_and_curves_are_tables(tmp_path):
+    """What said for each point which curve it is of had the name of their dimension: no table could be written."""
+    found = gz.grazes(TABLE, POINT, **WIDE, order=0, objects=["A", "B"], cells=(16, 8))
+    points, curves = (list(csv.DictReader(file.read_text().splitlines())) for file in to_csv(found, tmp_path / "a.csv"))
+    assert [int(each["row"]) for each in points] == found.row.values.tolist()
+    assert [each["object"] for each in curves] == found.object.values.tolist()
+    assert gz.load(gz.save(found, tmp_path / "a.nc")).identical(found)
 
 
 def test_one_without_a_curve_says_so():

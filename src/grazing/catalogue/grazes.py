@@ -14,7 +14,7 @@ def found(result: Any) -> Row:
 
     rows: dict[tuple[Any, ...], Row] = {}
     names = [result[name].values.tolist() for name in ("order", "word", "object", "kick")]
-    numbers, ends = result["curve"].values, {name: result[name].values for name in ("angle", "speed")}
+    numbers, ends = result["row"].values, {name: result[name].values for name in ("angle", "speed")}
     for k, (order, word, name, kick) in enumerate(zip(*names, strict=True)):
         row = rows.setdefault(
             (order, word, name),

@@ -63,7 +63,7 @@ def grazes(
     xarray.Dataset
         ``angle`` and ``speed`` (point): the curves, one after the other with a row of NaN between two, the launches
         that hit on their left. ``angle_width`` and ``speed_width`` (point): the bracket around that point, one of
-        them 0, within which the ball hits on one side and passes on the other. ``curve`` (point): the row of the
+        them 0, within which the ball hits on one side and passes on the other. ``row`` (point): the row of the
         table on dimension "curve", with ``object``, what is grazed; ``word``, what is hit before; ``order``, the length
         of that; ``kick``, the velocity along the normal with which the object's law sends a ball away that grazes it:
         where that is not 0 the map jumps, else it has a square root; ``closed``. Attribute ``corners`` counts the
@@ -196,7 +196,7 @@ def _dataset(table: Table, curves: Sequence[Curve], attrs: dict[str, Any]) -> xr
             },
             "angle_width": ("point", columns[2], {"long_name": width.format("angle"), "units": "1"}),
             "speed_width": ("point", columns[3], {"long_name": width.format("speed"), "units": "1"}),
-            "curve": ("point", np.array(number, np.int64), {"long_name": "row of the table of curves", "units": "1"}),
+            "row": ("point", np.array(number, np.int64), {"long_name": "row of the table of curves", "units": "1"}),
             "object": column([table.names[one.objects[0]] for one in firsts], object,
                              "object that is grazed"),
             "word": column(["".join(map(alphabet.symbol, one.word)) for one in firsts], object,

@@ -55,10 +55,10 @@ def grazes(result: Any, ax: Axes | None = None, *, legend: bool | None = None) -
     ['graze with a kick']
     """
     along = ("point",)
-    expect(result, "grazes", {"angle": along, "speed": along, "curve": along, "kick": ("curve",)})
+    expect(result, "grazes", {"angle": along, "speed": along, "row": along, "kick": ("curve",)})
     both = "angle", "speed"
     points = np.column_stack([np.asarray(result[name].values, np.float64) for name in both])
-    kicked = result["kick"].values[result["curve"].values] > 0.0
+    kicked = result["kick"].values[result["row"].values] > 0.0
     with styled():
         fresh = ax is None or not ax.has_data()
         ax = axes(ax, 130.0, 90.0)
