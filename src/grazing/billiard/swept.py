@@ -1,7 +1,9 @@
 """Flippers that turn beside a ball that slides: whether one sweeps it off, and when its motion has to be looked at.
 
-The distance from what turns with omega changes by L = |v| + |omega| R per time at most, and |v| by gravity: a step with
-L s + gravity s^2 below the gap is safe.
+The distance h from what turns with omega changes by |v| + |omega| R per time at most, and |v| by gravity: a step in
+which that does not use up h is safe. So is one in which a distance that grows does not fall back to 0. Seen from the
+flipper the ball is accelerated by less than gravity + L (4 L bend + 7 |omega|), L = |v| + |omega| (R + h), for a time
+in which that changes its velocity by L. Without it one that comes loose slowly took a hundred thousand steps.
 """
 
 from __future__ import annotations
@@ -9,7 +11,7 @@ from __future__ import annotations
 from math import sqrt
 from typing import Any
 
-from grazing.billiard.elements import TOUCH, gap_of, slid, width_of
+from grazing.billiard.elements import TOUCH, bend_of, element, gap_of, slid, width_of
 from grazing.billiard.flippers import (
     ARM,
     AT,
@@ -69,7 +71,10 @@ def horizon(el: Any, x: float, y: float, room: float, clock: float, table: Any) 
 def room_beside(
     row: Any, ux: float, uy: float, omega: float, x: float, y: float, vx: float, vy: float, width: float
 ) -> Any:  # fmt: skip
-    """Return (h, rate, kind): the distance of the ball's centre from where it would touch sides or tip of a flipper."""
+    """Return (h, rate, kind, grows): how far the ball's centre is from where it would touch sides or tip of a flipper.
+
+    ``rate`` says whether it comes, ``grows`` is the rate of that distance, or less.
+    """
     dx, dy = x - row[PX], y - row[PY]
     kind, wx, wy = 0 if ux * dy - uy * dx >= 0.0 else 1, vx + omega * dy, vy - omega * dx
     nx, ny = normal_at(kind, ux, uy, row)
@@ -81,8 +86,8 @@ def room_beside(
         far = sqrt(ex * ex + ey * ey)
         nx, ny, h = ex / far, ey / far, far - row[TIP]
     elif foot <= width:  # where the side begins at the hub, on which the ball may slide
-        return sqrt(foot * foot + h * h), -way * (ny * wx - nx * wy), kind
-    return h, nx * wx + ny * wy, kind
+        return sqrt(foot * foot + h * h), -way * (ny * wx - nx * wy), kind, -sqrt(wx * wx + wy * wy)
+    return h, nx * wx + ny * wy, kind, nx * wx + ny * wy
 
 
 def swept(
@@ -93,6 +98,7 @@ def swept(
     That is before ``end``; the surface is -1 for never.
     """
     best, met, rows, g = end, -1, flippers_of(table), table[GRAVITY]
+    bend = 0.0 if rests else abs(bend_of(element(surface, clock, table)))
     for i in range(int(table[FLIPPERS])):
         row = behind(rows, FLIPPER_WIDTH * i)
         pieces, phase = behind(rows, int(row[AT])), clock_of(clock, row)
@@ -105,14 +111,20 @@ def swept(
         for _ in range(MOST):
             fx, fy, fvx, fvy = (x, y, 0.0, 0.0) if rests else slid(surface, x, y, vx, vy, t, clock, table)
             ux, uy, _turned = direction_at(t, begin, piece)
-            h, rate, kind = room_beside(row, ux, uy, omega, fx, fy, fvx, fvy, width)
+            h, rate, kind, grows = room_beside(row, ux, uy, omega, fx, fy, fvx, fvy, width)
             if h <= width and rate < 0.0:
                 best, met = t, first_turning(table) + KINDS * i + kind
                 break
             fast = sqrt(fvx * fvx + fvy * fvy) + abs(omega) * row[REACH]
             least = 2.0 * least if h <= width else width / fast
             h = max(h, 0.0)
-            t += max(2.0 * h / (fast + sqrt(fast * fast + 4.0 * g * h)), least, width / fast)
+            safe = 2.0 * h / (fast + sqrt(fast * fast + 4.0 * g * h))
+            grows -= TOUCH * fast
+            if grows > 0.0:
+                fast += abs(omega) * h
+                most = g + fast * (4.0 * fast * bend + 7.0 * abs(omega))
+                safe = max(safe, min((grows + sqrt(grows * grows + 2.0 * most * h)) / most, fast / most))
+            t += max(safe, least, width / fast)
             if not t < best:
                 break
     return best, met
