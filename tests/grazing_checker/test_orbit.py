@@ -13,7 +13,7 @@ import grazing as gz
 from grazing.proof.certify import certify
 from grazing.proof.text import exact_text
 from grazing_checker import Rejected, check, orbit
-from grazing_checker.balls import double, number, precision
+from grazing_checker.balls import Ball, double, number, precision
 from grazing_checker.oscillator import Problem, spread
 from grazing_checker.reading import exact
 from grazing_checker.sentence import active_harmonics
@@ -282,18 +282,19 @@ def test_a_doubled_orbit_in_a_forcing_of_half_the_period_is_told_from_two_of_one
     assert check(certificate.document) == certificate.statement
 
 
-def shorter(times, speeds, rates=None, hits=None, signs=(1, -1), period=12):
-    """Claim the least period of impacts, with the velocities that the walls have then, and say what was shown."""
+def shorter(times, speeds, rates=None, hits=None, signs=(1, -1)):
+    """Claim that 2 T = 12 is the least period of impacts, with the velocities that walls have then: what shows it."""
     n, asked, rates = len(times), {}, dict(zip(times, rates or [0.0] * len(times), strict=True))
     seen = [
         SimpleNamespace(
-            motion=SimpleNamespace(period=number(period)), at=lambda t: (None, double(rates[float(t)])), sign=s
+            motion=SimpleNamespace(period=number(6)), at=lambda t: (None, double(rates[float(t.mid())])), sign=s
         )
         for s in signs
     ]
-    problem = SimpleNamespace(n=n, N=1, hits=hits or [0] * n, frames=lambda _box: seen)
+    problem = SimpleNamespace(n=n, N=2, hits=hits or [0] * n, frames=lambda _box: seen)
     rows = SimpleNamespace(more=lambda name, x: asked.update({int(name.split()[-1]): x > 0}))
-    orbit._least_period(problem, [double(x) for x in [*times, *speeds]], {"claims": {"least_period": True}}, rows)
+    box = [Ball(x, 1e-9) for x in [*times, *speeds]]
+    orbit._least_period(problem, box, {"claims": {"least_period": True}}, rows)
     return asked
 
 
