@@ -4,6 +4,7 @@ from math import asin, atan2, hypot, pi
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import grazing as gz
 from grazing.maps.borders import ANGLE, SEAM, SPEED, Borders
@@ -206,3 +207,18 @@ def test_what_is_asked_for():
             gz.grazes(**{"table": TABLE, "point": (3.0, 2.0), **WIDE, **wrong})
     with pytest.raises(gz.InputError, match="no plunger; give"):
         gz.grazes(TABLE, (3.0, 2.0))
+
+
+@pytest.mark.parametrize("slope", [3e-4, 5.7e-4, 1e-3])
+def test_where_a_face_becomes_its_end_the_ball_hits_slowly_and_no_graze_is_listed(slope):
+    """Beside it the square of the speed along the normal grows from v0^2, which looks as from 0 where v0 is small."""
+    rho, near, far = 0.2, 2.0, 6.0
+    high = rho + near * np.tan(slope)  # the ball comes down on the near end of the face at this slope
+    table = gz.table([gz.segment("m", (near, 0.0), (far, 0.0), gz.newton(0.8))], rho=rho)
+    found = gz.grazes(table, (0.0, high), (-1.0, 1.0), (1.0, 2.0), 0, cells=(7, 2))
+    angles = found.angle.values[np.isfinite(found.angle.values)]
+    over = [
+        brentq(lambda p, x=x, s=s: high * np.cos(p) - x * np.sin(p) - s * rho, 0.0, 1.0)
+        for x, s in ((far, 1), (near, -1))
+    ]  # past the far end above, past the near one below
+    assert len(angles) and all(np.abs(angle + over).min() < 1e-10 for angle in angles)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -218,26 +218,41 @@ class Borders:
         self, sides: Sequence[Side], brackets: Sequence[tuple[float, float, int, int]], above: bool
     ) -> list[tuple[bool, float]]:
         """Say of one side of each bracket whether the impact there ceases as a square root, and how fast it is."""
-        codes = self.itineraries.codes
         found = [(False, np.nan)] * len(brackets)
         going = list(range(len(brackets)))
         for share in PROBES:
-            speeds = []
-            edges = np.array([brackets[i][1 if above else 0] for i in going])
-            spans = np.array([np.subtract(*self.box[sides[i][0]][::-1]) for i in going])
-            wide = np.array([brackets[i][1] - brackets[i][0] for i in going])
-            away = np.maximum(share * spans, CLEAR * wide)
-            for far in (FARTHER, 1.0):
-                values = edges + (far if above else -far) * away
-                flown = self.itineraries.fly(*self._launched([sides[i] for i in going], values))
-                speeds.append([_speed(flown, n, *_wanted(brackets[i], codes, above)) for n, i in enumerate(going)])
-            for i, far, near in zip(going, *speeds, strict=True):
-                if not np.isnan(far + near):
-                    found[i] = LEAST * abs(near) <= abs(far) <= MOST * abs(near), near
+            for i, far, near in self._fall(sides, brackets, going, share, above):
+                found[i] = LEAST * abs(near) <= abs(far) <= MOST * abs(near), near
             going = [i for i in going if np.isnan(found[i][1])]
-            if not going:
-                break
+        # Nearer to the change a small speed that is left there shows.
+        slow = [i for i, one in enumerate(found) if one[0]]
+        for i, far, near in self._fall(sides, brackets, slow, 0.0, above):
+            found[i] = LEAST * abs(near) <= abs(far) <= MOST * abs(near), found[i][1]
         return found
+
+    def _fall(
+        self,
+        sides: Sequence[Side],
+        brackets: Sequence[tuple[float, float, int, int]],
+        which: Sequence[int],
+        share: float,
+        above: bool,
+    ) -> Iterator[tuple[int, float, float]]:
+        """Return how fast the impacts are beside some brackets, farther away and near, where both are there."""
+        if not which:
+            return
+        edges = np.array([brackets[i][1 if above else 0] for i in which])
+        spans = np.array([np.subtract(*self.box[sides[i][0]][::-1]) for i in which])
+        wide = np.array([brackets[i][1] - brackets[i][0] for i in which])
+        away = np.maximum(share * spans, CLEAR * wide)
+        codes, speeds = self.itineraries.codes, []
+        for far in (FARTHER, 1.0):
+            values = edges + (far if above else -far) * away
+            flown = self.itineraries.fly(*self._launched([sides[i] for i in which], values))
+            speeds.append([_speed(flown, n, *_wanted(brackets[i], codes, above)) for n, i in enumerate(which)])
+        for i, far, near in zip(which, *speeds, strict=True):
+            if not np.isnan(far + near):
+                yield i, far, near
 
 
 def _first_difference(one: Integers, other: Integers) -> int:
