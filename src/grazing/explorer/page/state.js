@@ -228,7 +228,7 @@ export function fromFragment(fragment, fields) {
   /** @type {string[]} */
   const problems = [];
   const parts = fragment.replace(/^#/, "").split("&").filter(Boolean);
-  const given = new Map(), twice = new Set();
+  const given = new Map();
   for (const part of parts) {
     const at = part.indexOf("=");
     let text = part.slice(at + 1);
@@ -238,11 +238,8 @@ export function fromFragment(fragment, fields) {
       problems.push(`${part} cannot be read`);
       continue;
     }
-    const key = at < 0 ? part : part.slice(0, at);
-    if (given.has(key)) twice.add(key);
-    given.set(key, at < 0 ? "" : text);
+    given.set(at < 0 ? part : part.slice(0, at), at < 0 ? "" : text);
   }
-  for (const key of twice) problems.push(`${key} is given twice, and taken as it stands last`);
   const version = given.get("version") ?? "";
   if (Object.hasOwn(EARLIER, version)) Object.assign(state, EARLIER[version]);
   else if (given.size && version !== VERSION) {
