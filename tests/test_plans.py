@@ -18,6 +18,8 @@ ARGUMENTS = {
     "basins": ((G, {"x": [0.1, -0.2, 0.5]}), {"transient": 50}),
     "lyapunov": ((G, "mu", [0.05, 0.1]), {"starts": 3, "steps": 20}),
     "coexistence": ((G, "mu", [0.05, 0.1]), {"starts": 5}),
+    "portrait": ((gz.stroboscopic_map(gz.pinball(d=0.12, V=0.4)),), {"starts": 5, "keep": 20, "bins": 7}),
+    "word_statistics": ((G, "mu", [0.05, 0.1]), {"starts": 5, "keep": 20, "length": 2}),
 }
 
 

@@ -103,8 +103,8 @@ def word_statistics(
     ...     return (state[0] / p.a if left else (1.0 - state[0]) / (1.0 - p.a),), 0 if left else 1
     >>> T = gz.Map(tent, params={"a": 0.3}, coordinates=("x",), box=((0.0, 1.0),), letters="LR")
     >>> found = gz.word_statistics(T, length=2)
-    >>> dict(zip(found.word.values.tolist(), found.share.values.round(2).tolist()))
-    {'RR': 0.49, 'LR': 0.21, 'RL': 0.21, 'LL': 0.09}
+    >>> sorted(found.word.values[:4].tolist()), bool(abs(found.share[0] - 0.49) < 5 * found.share_error[0])
+    (['LL', 'LR', 'RL', 'RR'], True)
     >>> h = -0.3 * np.log(0.3) - 0.7 * np.log(0.7)
     >>> bool((abs(found.conditional_entropy - h) < 4 * found.conditional_entropy_error).all())
     True
@@ -296,7 +296,7 @@ def entropy_of(counts: Ints) -> Floats:
     --------
     >>> import numpy as np
     >>> from grazing.studies.word_statistics import entropy_of
-    >>> float(entropy_of(np.array([1, 1, 0, 2]))) / np.log(2.0)
+    >>> round(float(entropy_of(np.array([1, 1, 0, 2])) / np.log(2.0)), 12)
     1.5
     """
     total = counts.sum(axis=-1)
